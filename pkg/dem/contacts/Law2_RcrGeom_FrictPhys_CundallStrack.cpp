@@ -19,66 +19,62 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_Cunda
 	        "; expected a fraction of the critical damping, 0 (none) or more.");
 }
 
-namespace {
+/// Inverse mass of a body or its clump; 0 if its motion is prescribed.
+static double inverseMass(Body::id_t id, Scene* scene)
+{
+	const shared_ptr<Body>& b = Body::byId(id, scene);
+	const State& s = *(b->isClumpMember() ? Body::byId(b->clumpId, scene) : b)->state;
+	return s.blockedDOFs == State::DOF_ALL || s.mass == 0 ? 0 : 1 / double(s.mass);
+}
 
-	/// Inverse mass of a body or its clump; 0 if its motion is prescribed.
-	double inverseMass(Body::id_t id, Scene* scene)
-	{
-		const shared_ptr<Body>& b = Body::byId(id, scene);
-		const State& s = *(b->isClumpMember() ? Body::byId(b->clumpId, scene) : b)->state;
-		return s.blockedDOFs == State::DOF_ALL || s.mass == 0 ? 0 : 1 / double(s.mass);
-	}
+static std::string physError(const FrictPhys& phys)
+{
+	const auto number = [](const char* name, Real value) {
+		return std::string(name) + " = " + validation::text(value);
+	};
+	if (dynamic_cast<const CdPhys*>(&phys))
+		return "a CdPhys, made for ContactDynamics; use Ip2_FrictMat_FrictMat_FrictPhys, and "
+		       "O.interactions.clear() after a change of laws.";
+	if (!(phys.kn > 0 && math::isfinite(phys.kn)))
+		return number("kn", phys.kn)
+		        + "; expected a stiffness > 0: set FrictMat.young, or kn of "
+		          "Ip2_FrictMat_FrictMat_FrictPhys.";
+	if (!(phys.ks >= 0 && math::isfinite(phys.ks)))
+		return number("ks", phys.ks)
+		        + "; expected a stiffness ≥ 0: set FrictMat.poisson (ks/kn), or ks of "
+		          "Ip2_FrictMat_FrictMat_FrictPhys.";
+	if (!(phys.tangensOfFrictionAngle >= 0))
+		return "the friction coefficient " + validation::text(phys.tangensOfFrictionAngle)
+		        + "; expected a friction angle from 0 to below π/2.";
+	return {};
+}
 
-	std::string physError(const FrictPhys& phys)
-	{
-		const auto number = [](const char* name, Real value) {
-			return std::string(name) + " = " + validation::text(value);
-		};
-		if (dynamic_cast<const CdPhys*>(&phys))
-			return "a CdPhys, made for ContactDynamics; use Ip2_FrictMat_FrictMat_FrictPhys, and "
-			       "O.interactions.clear() after a change of laws.";
-		if (!(phys.kn > 0 && math::isfinite(phys.kn)))
-			return number("kn", phys.kn)
-			        + "; expected a stiffness > 0: set FrictMat.young, or kn of "
-			          "Ip2_FrictMat_FrictMat_FrictPhys.";
-		if (!(phys.ks >= 0 && math::isfinite(phys.ks)))
-			return number("ks", phys.ks)
-			        + "; expected a stiffness ≥ 0: set FrictMat.poisson (ks/kn), or ks of "
-			          "Ip2_FrictMat_FrictMat_FrictPhys.";
-		if (!(phys.tangensOfFrictionAngle >= 0))
-			return "the friction coefficient " + validation::text(phys.tangensOfFrictionAngle)
-			        + "; expected a friction angle from 0 to below π/2.";
-		return {};
-	}
+constexpr double checkedOverlap = 0.02; // least overlap that is checked, over R₁ + R₂
+constexpr double deepFraction   = 0.5;  // least overlap that counts, over a cap radius
 
-	constexpr double checkedOverlap = 0.02; // least overlap that is checked, over R₁ + R₂
-	constexpr double deepFraction   = 0.5;  // least overlap that counts, over a cap radius
+/// Half the smallest width of a grain; infinite for an obstacle.
+static double halfWidth(const Shape& shape)
+{
+	if (const auto* rod = dynamic_cast<const Rcr*>(&shape)) return double(rod->capRadius);
+	if (const auto* disc = dynamic_cast<const Sphere*>(&shape)) return double(disc->radius);
+	return std::numeric_limits<double>::infinity();
+}
 
-	/// Half the smallest width of a grain; infinite for an obstacle.
-	double halfWidth(const Shape& shape)
-	{
-		if (const auto* rod = dynamic_cast<const Rcr*>(&shape)) return double(rod->capRadius);
-		if (const auto* disc = dynamic_cast<const Sphere*>(&shape)) return double(disc->radius);
-		return std::numeric_limits<double>::infinity();
-	}
-
-	/// Replaces the FrictPhys of a new contact by one with a force per point. Returns false if the
-	/// law cannot use it.
-	bool prepare(shared_ptr<IPhys>& phys, const Interaction& interaction)
-	{
-		if (dynamic_cast<RcrFrictPhys*>(phys.get())) return true;
-		const FrictPhys&  stock   = static_cast<const FrictPhys&>(*phys);
-		const std::string message = physError(stock);
-		if (message.empty())
-			phys = boost::make_shared<RcrFrictPhys>(stock);
-		else
-			deferError("Law2_RcrGeom_FrictPhys_CundallStrack: the contact of "
-			        + validation::bodyNames({ interaction.getId1(), interaction.getId2() })
-			        + " has " + message);
-		return message.empty();
-	}
-
-} // namespace
+/// Replaces the FrictPhys of a new contact by one with a force per point. Returns false if the
+/// law cannot use it.
+static bool prepare(shared_ptr<IPhys>& phys, const Interaction& interaction)
+{
+	if (dynamic_cast<RcrFrictPhys*>(phys.get())) return true;
+	const FrictPhys&  stock   = static_cast<const FrictPhys&>(*phys);
+	const std::string message = physError(stock);
+	if (message.empty())
+		phys = boost::make_shared<RcrFrictPhys>(stock);
+	else
+		deferError("Law2_RcrGeom_FrictPhys_CundallStrack: the contact of "
+		        + validation::bodyNames({ interaction.getId1(), interaction.getId2() })
+		        + " has " + message);
+	return message.empty();
+}
 
 bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
         shared_ptr<IGeom>& igeom, shared_ptr<IPhys>& iphys, Interaction* interaction)

@@ -7,60 +7,56 @@
 
 namespace yade {
 
-namespace {
+// largest strain of a cell per step; beyond it, contacts may stay undetected
+constexpr double largestStretch = 0.02;
 
-	// largest strain of a cell per step; beyond it, contacts may stay undetected
-	constexpr double largestStretch = 0.02;
+static std::string deepestPair(const rcr::Step& step, double overlap)
+{
+	std::size_t k = 0;
+	while (overlapOf(step, k) != overlap)
+		++k;
+	const rcr::ContactPoint& c = step.problem.points[k];
+	return validation::bodyNames({ c.body1, c.body2 });
+}
 
-	std::string deepestPair(const rcr::Step& step, double overlap)
-	{
-		std::size_t k = 0;
-		while (overlapOf(step, k) != overlap)
-			++k;
-		const rcr::ContactPoint& c = step.problem.points[k];
-		return validation::bodyNames({ c.body1, c.body2 });
-	}
+/// Names of the driven bodies and cell; empty: none.
+static std::string drivenParts(const rcr::Step& step)
+{
+	std::string parts = validation::bodyNames(rcr::drivenBodies(step.problem));
+	if (step.cell.driven())
+		parts += std::string(parts.empty() ? "" : " and ")
+		        + "the velocity gradient of the cell";
+	return parts;
+}
 
-	/// Names of the driven bodies and cell; empty: none.
-	std::string drivenParts(const rcr::Step& step)
-	{
-		std::string parts = validation::bodyNames(rcr::drivenBodies(step.problem));
-		if (step.cell.driven())
-			parts += std::string(parts.empty() ? "" : " and ")
-			        + "the velocity gradient of the cell";
-		return parts;
-	}
+/// `overlaps`: the deepest pair and its overlap.
+static std::string jamMessage(const std::string& overlaps, const std::string& driven)
+{
+	return "ContactDynamics: jam: " + overlaps
+	        + ", and the overlap grows from step to step. These steps have no solution, since "
+	          "the motion prescribed to "
+	        + driven
+	        + " presses rigid grains together. Stop or reverse that motion (b.state.vel, "
+	          "O.cell.velGrad), or press by a force (WallStress, CellStress).";
+}
 
-	/// `overlaps`: the deepest pair and its overlap.
-	std::string jamMessage(const std::string& overlaps, const std::string& driven)
-	{
-		return "ContactDynamics: jam: " + overlaps
-		        + ", and the overlap grows from step to step. These steps have no solution, since "
-		          "the motion prescribed to "
-		        + driven
-		        + " presses rigid grains together. Stop or reverse that motion (b.state.vel, "
-		          "O.cell.velGrad), or press by a force (WallStress, CellStress).";
-	}
+static std::string notConvergedMessage(const std::string& overlaps, int iterations)
+{
+	return "ContactDynamics: not converged: " + overlaps
+	        + ", and the overlap grows from step to step. The solver found neither a solution "
+	          "in "
+	        + std::to_string(iterations)
+	        + " sweeps nor a proof that none exists, so positions and forces are wrong. Set a "
+	          "larger ContactDynamics.maxIterations or a smaller O.dt.";
+}
 
-	std::string notConvergedMessage(const std::string& overlaps, int iterations)
-	{
-		return "ContactDynamics: not converged: " + overlaps
-		        + ", and the overlap grows from step to step. The solver found neither a solution "
-		          "in "
-		        + std::to_string(iterations)
-		        + " sweeps nor a proof that none exists, so positions and forces are wrong. Set a "
-		          "larger ContactDynamics.maxIterations or a smaller O.dt.";
-	}
-
-	std::string growingMessage(const std::string& overlaps)
-	{
-		return "ContactDynamics: " + overlaps
-		        + ", and the overlap grows, although this step has converged. Positions and forces "
-		          "are wrong. The bodies may have passed through each other before: place them "
-		          "apart, or take a smaller O.dt from the start.";
-	}
-
-} // namespace
+static std::string growingMessage(const std::string& overlaps)
+{
+	return "ContactDynamics: " + overlaps
+	        + ", and the overlap grows, although this step has converged. Positions and forces "
+	          "are wrong. The bodies may have passed through each other before: place them "
+	          "apart, or take a smaller O.dt from the start.";
+}
 
 double overlapOf(const rcr::Step& step, std::size_t k)
 {

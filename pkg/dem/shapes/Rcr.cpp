@@ -19,38 +19,29 @@ void Rcr::postLoad(Rcr&)
 		reject("halfLength", halfLength, "a finite length ≥ 0");
 }
 
-namespace {
-
-	/// Box of a circle; in a sheared cell, the box in unsheared space. YADE's collider ends the
-	/// process if a box spans half of a cell, so the look-ahead is limited there. The step then
-	/// detects the other contacts.
-	void setBox(
-	        shared_ptr<Bound>& bound, const Se3r& se3, Real radius, Real ahead, const Scene& scene)
-	{
-		if (!bound) bound = boost::make_shared<Aabb>();
-		const Vector3r wider  = validation::widening(scene);
-		Vector3r       center = se3.position;
-		if (scene.isPeriodic) {
-			const Real most = validation::largestShare * scene.cell->getSize().minCoeff()
-			        / wider.maxCoeff();
-			ahead           = math::max(Real(0), math::min(ahead, most - radius));
-			center          = scene.cell->unshearPt(center);
-		}
-		const Vector3r half = (radius + ahead) * wider;
-		bound->min = center - half;
-		bound->max = center + half;
+/// Box of the circumscribed circle and the alert distance, both times `factor`; in a sheared cell,
+/// the box in unsheared space. YADE's collider ends the process if a box spans half of a cell, so
+/// the look-ahead is limited there. The step then detects the other contacts.
+static void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body& body,
+        Real factor, const Scene& scene)
+{
+	const rcr::PlanarShape planar = plane::shapeOf(shape, *body.state, body.state->pos.z());
+	const Real             radius = factor * planar.radius();
+	Real                   ahead  = factor
+	        * rcr::alertDistance(planar, plane::twistOf(*body.state), double(scene.dt));
+	if (!bound) bound = boost::make_shared<Aabb>();
+	const Vector3r wider  = validation::widening(scene);
+	Vector3r       center = se3.position;
+	if (scene.isPeriodic) {
+		const Real most = validation::largestShare * scene.cell->getSize().minCoeff()
+		        / wider.maxCoeff();
+		ahead           = math::max(Real(0), math::min(ahead, most - radius));
+		center          = scene.cell->unshearPt(center);
 	}
-
-	void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body& body,
-	        Real factor, const Scene& scene)
-	{
-		const rcr::PlanarShape planar = plane::shapeOf(shape, *body.state, body.state->pos.z());
-		setBox(bound, se3, factor * planar.radius(),
-		        factor * rcr::alertDistance(planar, plane::twistOf(*body.state), double(scene.dt)),
-		        scene);
-	}
-
-} // namespace
+	const Vector3r half = (radius + ahead) * wider;
+	bound->min = center - half;
+	bound->max = center + half;
+}
 
 void Bo1_Rcr_Aabb::go(
         const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)

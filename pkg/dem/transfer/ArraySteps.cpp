@@ -11,79 +11,75 @@
 
 namespace yade {
 
-namespace {
+constexpr long stepsBetweenUpdates = 100; // a fixed number, so that a run repeats its bits
 
-	constexpr long stepsBetweenUpdates = 100; // a fixed number, so that a run repeats its bits
+/// Returns true if a PeriodicEngine will act at this iteration and time. Its own isActivated()
+/// would count the call.
+static bool isDue(const PeriodicEngine& engine, long iter, Real time)
+{
+	// the first call starts the counts of the engine
+	if (engine.nDone == 0) return engine.firstIterRun <= 0 || engine.firstIterRun == iter;
+	if (iter < engine.iterLast) return true;
+	if (engine.nDo >= 0 && engine.nDone >= engine.nDo) return false;
+	return (engine.virtPeriod > 0 && time - engine.virtLast >= engine.virtPeriod)
+	        || (engine.realPeriod > 0
+	                && PeriodicEngine::getClock() - engine.realLast >= engine.realPeriod)
+	        || (engine.iterPeriod > 0 && iter - engine.iterLast >= engine.iterPeriod);
+}
 
-	/// Returns true if a PeriodicEngine will act at this iteration and time. Its own isActivated()
-	/// would count the call.
-	bool isDue(const PeriodicEngine& engine, long iter, Real time)
-	{
-		// the first call starts the counts of the engine
-		if (engine.nDone == 0) return engine.firstIterRun <= 0 || engine.firstIterRun == iter;
-		if (iter < engine.iterLast) return true;
-		if (engine.nDo >= 0 && engine.nDone >= engine.nDo) return false;
-		return (engine.virtPeriod > 0 && time - engine.virtLast >= engine.virtPeriod)
-		        || (engine.realPeriod > 0
-		                && PeriodicEngine::getClock() - engine.realLast >= engine.realPeriod)
-		        || (engine.iterPeriod > 0 && iter - engine.iterLast >= engine.iterPeriod);
-	}
-
-	/// Adds the bodies that an engine loads or drives; returns false if it may read other bodies.
-	bool addLoadedBodies(const Engine& engine, std::vector<Body::id_t>& ids)
-	{
-		if (const auto* stress = dynamic_cast<const WallStress*>(&engine)) {
-			ids.insert(ids.end(), { stress->wall, stress->start, stress->end });
-			return true;
-		}
-		static const std::set<std::string> forces { "ForceEngine",
-			"InterpolatingDirectedForceEngine", "RadialForceEngine", "TorqueEngine", "DragEngine",
-			"LinearDragEngine" };
-		if (!dynamic_cast<const KinematicEngine*>(&engine) && !forces.count(engine.getClassName()))
-			return false;
-		const auto& more = static_cast<const PartialEngine&>(engine).ids;
-		ids.insert(ids.end(), more.begin(), more.end());
+/// Adds the bodies that an engine loads or drives; returns false if it may read other bodies.
+static bool addLoadedBodies(const Engine& engine, std::vector<Body::id_t>& ids)
+{
+	if (const auto* stress = dynamic_cast<const WallStress*>(&engine)) {
+		ids.insert(ids.end(), { stress->wall, stress->start, stress->end });
 		return true;
 	}
+	static const std::set<std::string> forces { "ForceEngine",
+		"InterpolatingDirectedForceEngine", "RadialForceEngine", "TorqueEngine", "DragEngine",
+		"LinearDragEngine" };
+	if (!dynamic_cast<const KinematicEngine*>(&engine) && !forces.count(engine.getClassName()))
+		return false;
+	const auto& more = static_cast<const PartialEngine&>(engine).ids;
+	ids.insert(ids.end(), more.begin(), more.end());
+	return true;
+}
 
-	bool isCoreEngine(const Engine& engine)
-	{
-		return dynamic_cast<const ForceResetter*>(&engine) || dynamic_cast<const Collider*>(&engine)
-		        || dynamic_cast<const InteractionLoop*>(&engine)
-		        || dynamic_cast<const ContactDynamics*>(&engine)
-		        || dynamic_cast<const NewtonIntegrator*>(&engine);
-	}
+static bool isCoreEngine(const Engine& engine)
+{
+	return dynamic_cast<const ForceResetter*>(&engine) || dynamic_cast<const Collider*>(&engine)
+	        || dynamic_cast<const InteractionLoop*>(&engine)
+	        || dynamic_cast<const ContactDynamics*>(&engine)
+	        || dynamic_cast<const NewtonIntegrator*>(&engine);
+}
 
-	/// Finds a force on a body of the arrays, for example from a PyRunner. Arrays apply contact
-	/// forces and gravity only.
-	std::string strayForceReason(Scene& scene, const std::vector<char>& isByYade)
-	{
-		for (std::size_t id = 0; id < isByYade.size(); ++id)
-			if (!isByYade[id] && (*scene.bodies)[id]
-			        && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero()
-			                || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
-				return "a force on body #" + std::to_string(id);
-		return {};
-	}
+/// Finds a force on a body of the arrays, for example from a PyRunner. Arrays apply contact
+/// forces and gravity only.
+static std::string strayForceReason(Scene& scene, const std::vector<char>& isSynced)
+{
+	for (std::size_t id = 0; id < isSynced.size(); ++id)
+		if (!isSynced[id] && (*scene.bodies)[id]
+		        && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero()
+		                || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
+			return "a force on body #" + std::to_string(id);
+	return {};
+}
 
-	/// Advances iteration and time, and updates O.speed and the counts of O.timingEnabled, as
-	/// Scene::moveToNextTimeStep does.
-	void advanceTime(Scene& scene)
-	{
-		const auto now      = boost::posix_time::microsec_clock::local_time();
-		const long duration = (now - scene.prevTime).total_microseconds();
-		scene.prevTime      = now;
-		scene.SpeedElements(scene.iter % Scene::nSpeedIter, 0) = 1e6 / std::max(duration, 1L);
-		scene.speed                                            = scene.SpeedElements.mean();
-		if (TimingInfo::enabled)
-			for (const auto& engine : scene.engines)
-				engine->timingInfo.nExec
-				        += !engine->dead && !dynamic_cast<const PeriodicEngine*>(engine.get());
-		++scene.iter;
-		scene.time += scene.dt;
-	}
-
-} // namespace
+/// Advances iteration and time, and updates O.speed and the counts of O.timingEnabled, as
+/// Scene::moveToNextTimeStep does.
+static void advanceTime(Scene& scene)
+{
+	const auto now      = boost::posix_time::microsec_clock::local_time();
+	const long duration = (now - scene.prevTime).total_microseconds();
+	scene.prevTime      = now;
+	scene.SpeedElements(scene.iter % Scene::nSpeedIter, 0) = 1e6 / std::max(duration, 1L);
+	scene.speed                                            = scene.SpeedElements.mean();
+	if (TimingInfo::enabled)
+		for (const auto& engine : scene.engines)
+			engine->timingInfo.nExec
+			        += !engine->dead && !dynamic_cast<const PeriodicEngine*>(engine.get());
+	++scene.iter;
+	scene.time += scene.dt;
+}
 
 ArraySteps::Motion ArraySteps::motionOf(const State& s)
 {
@@ -112,7 +108,7 @@ std::string ArraySteps::reason(
 	for (const auto& functor : engines.loop->lawDispatcher->functors)
 		if (functor->getClassName() != "Law2_RcrGeom_CdPhys_SignoriniCoulomb")
 			return "the functor " + functor->getClassName();
-	enginesBefore_.clear(), enginesAfter_.clear(), byYade_.clear();
+	enginesBefore_.clear(), enginesAfter_.clear(), synced_.clear();
 	movesAfter_ = false;
 	bool looped = false, solved = false;
 	for (const auto& engine : scene.engines) {
@@ -121,7 +117,7 @@ std::string ArraySteps::reason(
 		looped |= engine.get() == engines.loop;
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
 		if (isCoreEngine(*engine)) continue;
-		if (solved || !addLoadedBodies(*engine, byYade_))
+		if (solved || !addLoadedBodies(*engine, synced_))
 			return "the engine " + engine->getClassName();
 		(looped ? enginesAfter_ : enginesBefore_).push_back(engine.get());
 		movesAfter_ |= looped && dynamic_cast<const KinematicEngine*>(engine.get());
@@ -129,29 +125,29 @@ std::string ArraySteps::reason(
 	return {};
 }
 
-/// Selects the bodies that are read and written in each step. Returns the reason for which bodies
-/// or contacts require YADE's engines; empty: none.
-std::string ArraySteps::selectBodies(const Scene& scene, const rcr::Step& step)
+/// Selects the synced bodies. Returns the reason for which bodies or contacts require YADE's
+/// engines; empty: none.
+std::string ArraySteps::selectSynced(const Scene& scene, const rcr::Step& step)
 {
 	for (const rcr::StepContact& c : step.contacts)
 		if (c.body1 > c.body2 && step.bodies[c.body1].shape.kind == step.bodies[c.body2].shape.kind)
 			return "a contact whose bodies are not in their order";
-	isByYade_.assign(step.bodies.size(), false);
-	for (Body::id_t id : byYade_)
-		if (id >= 0 && std::size_t(id) < isByYade_.size()) isByYade_[id] = true;
+	isSynced_.assign(step.bodies.size(), false);
+	for (Body::id_t id : synced_)
+		if (id >= 0 && std::size_t(id) < isSynced_.size()) isSynced_[id] = true;
 	std::size_t grains = 0;
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const rcr::StepBody& body  = step.bodies[id];
 		const bool           grain = body.shape.grain();
 		// gather rejects obstacles that a free Box would pass through
 		if (body.free && body.shape.kind == rcr::PlanarShape::box) return "a Box that can move";
-		isByYade_[id] |= !grain && (*scene.bodies)[id];
-		grains += grain && !isByYade_[id];
+		isSynced_[id] |= !grain && (*scene.bodies)[id];
+		grains += grain && !isSynced_[id];
 	}
-	byYade_.clear();
-	for (std::size_t id = 0; id < isByYade_.size(); ++id)
-		if (isByYade_[id] && (*scene.bodies)[id]) byYade_.push_back(Body::id_t(id));
-	return grains < byYade_.size() ? "more obstacles and loaded bodies than other grains" : "";
+	synced_.clear();
+	for (std::size_t id = 0; id < isSynced_.size(); ++id)
+		if (isSynced_[id] && (*scene.bodies)[id]) synced_.push_back(Body::id_t(id));
+	return grains < synced_.size() ? "more obstacles and loaded bodies than other grains" : "";
 }
 
 /// Present reason for which YADE's engines must take the next step; empty: none.
@@ -163,7 +159,7 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 	if ((scene.stopAtIter > 0 && iter >= scene.stopAtIter)
 	        || (scene.stopAtTime > 0 && time >= scene.stopAtTime))
 		return "the end of the run";
-	if (scene.interactions->dirty || (active_ && scene.bodies->size() != isByYade_.size()))
+	if (scene.interactions->dirty || (active_ && scene.bodies->size() != isSynced_.size()))
 		return "a change of the bodies or interactions";
 	if (!scene._nextEngines.empty()) return "a change of O.engines";
 	if (active_ && count_ - first_ >= stepsBetweenUpdates)
@@ -184,8 +180,8 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 {
 	reason_ = active_ ? std::string() : reason(scene, engines, step);
 	if (reason_.empty()) reason_ = momentaryReason(scene);
-	if (reason_.empty() && !active_) reason_ = selectBodies(scene, step);
-	if (reason_.empty() && !active_) reason_ = strayForceReason(scene, isByYade_);
+	if (reason_.empty() && !active_) reason_ = selectSynced(scene, step);
+	if (reason_.empty() && !active_) reason_ = strayForceReason(scene, isSynced_);
 	if (!reason_.empty()) return false;
 	const bool first = !active_;
 	if (first) begin(team, handles, step);
@@ -197,7 +193,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	++count_;
 	scene.forces.reset(scene.iter);
 	runEngines(scene, enginesBefore_);
-	regatherBodies(scene, engines, team, byYade_, handles, step);
+	regatherBodies(scene, engines, team, synced_, handles, step);
 	const auto detect = [&](bool listAll, bool keepContacts) {
 		const bool changed = neighbors_.update(step, team);
 		if (listAll || changed) pairs_.assign(neighbors_.list(), keepContacts);
@@ -207,7 +203,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	detect(first, false);
 	if (!enginesAfter_.empty()) {
 		runEngines(scene, enginesAfter_);
-		regatherBodies(scene, engines, team, byYade_, handles, step);
+		regatherBodies(scene, engines, team, synced_, handles, step);
 		if (movesAfter_) detect(false, true);
 	}
 	pairs_.writeContacts(step, team);
@@ -217,17 +213,14 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 /// Reads inertia and motion of the bodies, and the forces of the contacts.
 void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
 {
-	active_                  = true;
-	first_                  = count_;
 	const std::size_t count = step.bodies.size();
+	active_ = true, first_ = count_;
 	inertia_.resize(count), written_.resize(count), endVelocity_.resize(count);
 	team.forEach(count, [&](std::size_t id) {
 		prefetch<State>(handles.state[indexAhead(id, count)]);
-		inertia_[id]   = {};
 		const State* s = handles.state[id];
-		if (!s) return;
-		inertia_[id] = plane::inertiaOf(*s);
-		written_[id] = motionOf(*s);
+		inertia_[id]   = s ? plane::inertiaOf(*s) : rcr::Inertia {};
+		if (s) written_[id] = motionOf(*s);
 	});
 	pairs_.all.clear();
 	for (const rcr::StepContact& contact : step.contacts) {
@@ -244,7 +237,7 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 		prefetch<CdPhys>(handles.sorted[later.interactionIndex].phys);
 		const CdPhys& phys = *handles.sorted[pair.interactionIndex].phys;
 		pair.points        = phys.points;
-		pair.friction      = double(phys.tangensOfFrictionAngle),
+		pair.friction      = double(phys.tangensOfFrictionAngle);
 		pair.restitution   = double(phys.restitution);
 		for (int point = 0; point < 2; ++point)
 			pair.along[point] = double(phys.along[point]);
@@ -255,7 +248,7 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadTeam& team,
         const SceneHandles& handles, const std::vector<rcr::Twist>& impulses, rcr::Step& step)
 {
-	for (Body::id_t id : byYade_) {
+	for (Body::id_t id : synced_) {
 		State&            s = *handles.state[id];
 		const rcr::Twist& p = impulses[id];
 		const Vector3r force = scene.forces.getForce(id) + 1 / step.dt * Vector3r(p.x, p.y, 0);
@@ -279,27 +272,24 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 	const rcr::Vec2 gravity = plane::toPlane(newton.gravity);
 	step.dt                 = double(scene.dt);
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
-		if (isByYade_[id]) return;
+		if (isSynced_[id]) return;
 		rcr::StepBody& body = step.bodies[id];
 		if (!step.displacement.empty() && body.free) {
 			const rcr::Twist& by = step.displacement[id];
 			body.center          = { body.center.x + by.x, body.center.y + by.y };
 			if (by.rotation != 0) body.turn = rcr::normalized(rcr::turned(body.turn, by.rotation));
 		}
-		body.velocity = rcr::accelerated(
-		        body.velocity, inertia_[id], inverseDt * impulses[id], gravity, before);
-		body.center         = { body.center.x + body.velocity.x * before,
-			        body.center.y + body.velocity.y * before };
-		body.turn     = rcr::turnAfter(body.turn, body.velocity.rotation, before);
-		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step.dt);
+		rcr::Twist& v = body.velocity;
+		v             = rcr::accelerated(v, inertia_[id], inverseDt * impulses[id], gravity, before);
+		body.center   = { body.center.x + v.x * before, body.center.y + v.y * before };
+		body.turn     = rcr::turnAfter(body.turn, v.rotation, before);
+		body.alertDistance = rcr::alertDistance(body.shape, v, step.dt);
 		if (body.free) body.coveredPath = body.alertDistance;
 		if (step.overdamped) {
-			endVelocity_[id]  = body.velocity;
-			body.velocity
-			        = startVelocity(body.velocity, inertia_[id], step.startFlow.at(body.center));
+			endVelocity_[id] = v;
+			v                = startVelocity(v, inertia_[id], step.startFlow.at(body.center));
 		}
-		step.problem.freeVelocity[id]
-		        = rcr::accelerated(body.velocity, inertia_[id], {}, gravity, step.dt);
+		step.problem.freeVelocity[id] = rcr::accelerated(v, inertia_[id], {}, gravity, step.dt);
 	});
 }
 

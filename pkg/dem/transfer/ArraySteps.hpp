@@ -6,18 +6,12 @@
 // collider and InteractionLoop. `writeBack` then copies the state at the beginning of the last step
 // to YADE's objects. Results have the same bits as steps by YADE's engines.
 //
-// YADE's engines take a step
-//
-//   * at the end of a run, and every 100 steps, which updates YADE's objects;
-//   * if an engine is due that may read any object: a PyRunner, a recorder, an engine not named here;
-//   * in scenes with clumps, a Box that can move, a periodic cell, energy tracking or permanent
-//     forces;
-//   * if an Ig2, Ip2 or Law2 functor is not one of this plugin's own, or the loop has callbacks.
-//
-// `reason` has the complete list.
+// YADE's engines take the last step of a run, every 100th step, which updates YADE's objects, and
+// steps in which an engine is due that may read any object. They take all steps of scenes that the
+// arrays do not support (`reason`).
 //
 // Obstacles and bodies that engines load or drive (kinematic engines, force engines, WallStress)
-// are read and written in each step.
+// are synced: each step reads and writes YADE's objects of them.
 #pragma once
 
 #include <array>
@@ -51,15 +45,15 @@ private:
 		std::array<double, 3> velocity;
 	};
 
-	static Motion        motionOf(const State&);
-	std::string          reason(const Scene&, const validation::Engines&, const rcr::Step&);
-	std::string          momentaryReason(const Scene&) const;
-	std::string          selectBodies(const Scene&, const rcr::Step&);
-	void                 begin(rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
-	void move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&,
-	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
-	void                 runEngines(Scene&, const std::vector<Engine*>&) const;
-	void                 acceptNewContacts(Scene&, const validation::Engines&);
+	static Motion motionOf(const State&);
+	std::string   reason(const Scene&, const validation::Engines&, const rcr::Step&);
+	std::string   momentaryReason(const Scene&) const;
+	std::string   selectSynced(const Scene&, const rcr::Step&);
+	void          begin(rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
+	void          move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&,
+	                 const std::vector<rcr::Twist>& impulses, rcr::Step&);
+	void          runEngines(Scene&, const std::vector<Engine*>&) const;
+	void          acceptNewContacts(Scene&, const validation::Engines&);
 
 	long                      count_ = 0, first_ = 0;
 	bool                      active_ = false; // YADE's objects are out of date since step first_
@@ -67,10 +61,10 @@ private:
 	// engines that exert forces, before and after the InteractionLoop
 	std::vector<Engine*>      enginesBefore_, enginesAfter_;
 	bool                      movesAfter_ = false; // enginesAfter_ holds a kinematic engine
-	std::vector<Body::id_t>   byYade_;      // bodies that are read and written in each step
-	std::vector<char>         isByYade_;      // per body
-	std::vector<rcr::Inertia> inertia_;      // per body
-	std::vector<Motion>       written_;        // per body: as in YADE's objects
+	std::vector<Body::id_t>   synced_;
+	std::vector<char>         isSynced_; // per body
+	std::vector<rcr::Inertia> inertia_;  // per body
+	std::vector<Motion>       written_;  // per body: as in YADE's objects
 	// per body: velocity at the end of the last overdamped step
 	std::vector<rcr::Twist>   endVelocity_;
 	rcr::Neighbors            neighbors_;

@@ -9,16 +9,16 @@ void ArraySteps::writeBack(
         Scene& scene, rcr::ThreadTeam& team, SceneHandles& handles, const rcr::Step& step)
 {
 	if (!active_) return;
-	active_       = false;
+	active_      = false;
 	scene.doSort = true; // the collider has not run during the steps in arrays
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
 		prefetch<State>(handles.state[indexAhead(id, step.bodies.size())]);
 		State* s = handles.state[id];
-		if (!s || isByYade_[id]) return;
+		if (!s || isSynced_[id]) return;
 		const rcr::StepBody& body = step.bodies[id];
-		const rcr::Twist&    v      = step.overdamped ? endVelocity_[id] : body.velocity;
+		const rcr::Twist&    v    = step.overdamped ? endVelocity_[id] : body.velocity;
 		// a state that a script has written meanwhile stays
-		const Motion         before = written_[id], now = motionOf(*s);
+		const Motion before = written_[id], now = motionOf(*s);
 		if (now.center == before.center) s->pos[0] = body.center.x, s->pos[1] = body.center.y;
 		if (now.turn == before.turn) s->ori.w() = body.turn.w, s->ori.z() = body.turn.z;
 		if (now.velocity == before.velocity)

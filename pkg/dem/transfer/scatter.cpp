@@ -8,112 +8,108 @@
 
 namespace yade {
 
-namespace {
-
-	void writeForces(const rcr::Step& step, const rcr::StepContact& contact, CdPhys& phys)
-	{
-		rcr::Vec2 normal, shear;
-		if (contact.count == 1) phys.force2 = Vector2r::Zero();
-		for (int k = 0; k < contact.count; ++k) {
-			const rcr::ContactPoint& c     = step.problem.points[contact.first + k];
-			const rcr::Impulse&      force = step.force[contact.first + k];
-			(k == 0 ? phys.force1 : phys.force2) = Vector2r(force.n, force.t);
-			phys.bias[k]                         = c.bias;
-			normal                               = normal + force.n * c.normal;
-			shear                                = shear + force.t * perp(c.normal);
-		}
-		phys.normalForce = plane::toSpace(normal);
-		phys.shearForce  = plane::toSpace(shear);
+static void writeForces(const rcr::Step& step, const rcr::StepContact& contact, CdPhys& phys)
+{
+	rcr::Vec2 normal, shear;
+	if (contact.count == 1) phys.force2 = Vector2r::Zero();
+	for (int k = 0; k < contact.count; ++k) {
+		const rcr::ContactPoint& c     = step.problem.points[contact.first + k];
+		const rcr::Impulse&      force = step.force[contact.first + k];
+		(k == 0 ? phys.force1 : phys.force2) = Vector2r(force.n, force.t);
+		phys.bias[k]                         = c.bias;
+		normal                               = normal + force.n * c.normal;
+		shear                                = shear + force.t * perp(c.normal);
 	}
+	phys.normalForce = plane::toSpace(normal);
+	phys.shearForce  = plane::toSpace(shear);
+}
 
-	/// Writes an added contact as InteractionLoop would have made it.
-	SceneHandles::Contact writeAddedContact(
-	        Scene& scene, const rcr::Step& step, const rcr::DetectedContact& detected)
-	{
-		rcr::Pair pair;
-		pair.body1 = detected.body1, pair.body2 = detected.body2;
-		Interaction& i = interactionOf(scene, pair, detected.shift);
-		if (!i.phys) {
-			pair.friction = detected.friction, pair.restitution = detected.restitution;
-			pair.formedAt = scene.iter;
-		}
-		return writeContact(i, pair, detected.manifold, step,
-		        shifted(step.bodies[detected.body2].pose(), detected.shift));
+/// Writes an added contact as InteractionLoop would have made it.
+static SceneHandles::Contact writeAddedContact(
+        Scene& scene, const rcr::Step& step, const rcr::DetectedContact& detected)
+{
+	rcr::Pair pair;
+	pair.body1 = detected.body1, pair.body2 = detected.body2;
+	Interaction& i = interactionOf(scene, pair, detected.shift);
+	if (!i.phys) {
+		pair.friction = detected.friction, pair.restitution = detected.restitution;
+		pair.formedAt = scene.iter;
 	}
+	return writeContact(i, pair, detected.manifold, step,
+	        shifted(step.bodies[detected.body2].pose(), detected.shift));
+}
 
-	void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
-	{
-		for (const rcr::DetectedContact& detected : step.added) {
-			const auto k = step.find(detected.body1, detected.body2) - step.contacts.data();
-			step.contacts[k].listIndex = int(handles.sorted.size());
-			handles.sorted.push_back(writeAddedContact(scene, step, detected));
-		}
+static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
+{
+	for (const rcr::DetectedContact& detected : step.added) {
+		const auto k = step.find(detected.body1, detected.body2) - step.contacts.data();
+		step.contacts[k].listIndex = int(handles.sorted.size());
+		handles.sorted.push_back(writeAddedContact(scene, step, detected));
 	}
+}
 
-	/// Applies strain and velocity gradient to the cell.
-	void deformCell(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strain)
-	{
-		Matrix3r displaced = Matrix3r::Identity();
-		displaced(0, 0) += strain.x, displaced(1, 1) += strain.y;
-		cell.hSize = displaced * cell.hSize;
-		cell.trsf  = displaced * cell.trsf;
-		cell.integrateAndUpdate(0); // updates its derived data
-		Matrix3r gradient = nextGradient(cell);
-		for (int axis = 0; axis < 2; ++axis)
-			gradient(axis, axis) = now.gradient[axis][axis];
-		cell.setVelGrad(gradient);
-	}
+/// Applies strain and velocity gradient to the cell.
+static void deformCell(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strain)
+{
+	Matrix3r displaced = Matrix3r::Identity();
+	displaced(0, 0) += strain.x, displaced(1, 1) += strain.y;
+	cell.hSize = displaced * cell.hSize;
+	cell.trsf  = displaced * cell.trsf;
+	cell.integrateAndUpdate(0); // updates its derived data
+	Matrix3r gradient = nextGradient(cell);
+	for (int axis = 0; axis < 2; ++axis)
+		gradient(axis, axis) = now.gradient[axis][axis];
+	cell.setVelGrad(gradient);
+}
 
-	/// Returns true if a rotating obstacle leaves its box. YADE checks displacements only.
-	bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v,
-	        double dt, const Bound& bound)
-	{
-		return v.rotation != 0 && b.shape.kind >= rcr::PlanarShape::box
-		        && obstacleLeavesBox(b.shape, rcr::poseAfter(b, owner, v, dt), 0, bound);
-	}
+/// Returns true if a rotating obstacle leaves its box. YADE checks displacements only.
+static bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v,
+        double dt, const Bound& bound)
+{
+	return v.rotation != 0 && b.shape.kind >= rcr::PlanarShape::box
+	        && obstacleLeavesBox(b.shape, rcr::poseAfter(b, owner, v, dt), 0, bound);
+}
 
-	/// Largest displacement of an image relative to its body in a step [m].
-	double largestImageDisplacement(const rcr::Step& step)
-	{
-		const rcr::PeriodicCell& cell = step.cell;
-		if (!cell.periodic) return 0;
-		double farthest = 0;
-		for (int k = 0; k < 2; ++k)
-			farthest = std::max(farthest, norm(cell.drift({ cell.h[0][k], cell.h[1][k] })));
-		return step.dt * farthest;
-	}
+/// Largest displacement of an image relative to its body in a step [m].
+static double largestImageDisplacement(const rcr::Step& step)
+{
+	const rcr::PeriodicCell& cell = step.cell;
+	if (!cell.periodic) return 0;
+	double farthest = 0;
+	for (int k = 0; k < 2; ++k)
+		farthest = std::max(farthest, norm(cell.drift({ cell.h[0][k], cell.h[1][k] })));
+	return step.dt * farthest;
+}
 
-	/// Requests a run of the collider if a grain, enlarged by its alert distance, or a rotating
-	/// obstacle leaves its box. YADE checks displacements only.
-	void requestCollider(
-	        Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
-	{
-		const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() // YADE: 0.5
-		                                     : std::numeric_limits<Real>::infinity();
-		// boxes do not follow images of bodies at rest
-		const double imageStep = largestImageDisplacement(step);
-		std::atomic<bool> out { false };
-		team.forEach(step.bodies.size(), [&](Body::id_t id) {
-			const Bound* bound = handles.bound[id];
-			prefetch<Bound>(handles.bound[indexAhead(id, step.bodies.size())]);
-			if (!bound) return;
-			const rcr::StepBody& b = step.bodies[id];
-			const rcr::Twist&    v = step.problem.velocity[id];
-			const bool           late = imageStep > 0
-			        && double(scene.iter - bound->lastUpdateIter + 2) * imageStep
-			                > double(bound->sweepLength);
-			const bool leaves = late || bound->max[0] - bound->min[0] > widest ? true
-			        : b.shape.grain()
-			        ? grainLeavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
-			                step.dt, *bound)
-			        : rotatesOutOfBox(b, step.bodies[b.owner], step.problem.velocity[b.owner],
-			                step.dt, *bound);
-			if (leaves) out.store(true, std::memory_order_relaxed);
-		});
-		if (out) scene.doSort = true;
-	}
-
-} // namespace
+/// Requests a run of the collider if a grain, enlarged by its alert distance, or a rotating
+/// obstacle leaves its box. YADE checks displacements only.
+static void requestCollider(
+        Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
+{
+	const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() // YADE: 0.5
+	                                     : std::numeric_limits<Real>::infinity();
+	// boxes do not follow images of bodies at rest
+	const double imageStep = largestImageDisplacement(step);
+	std::atomic<bool> out { false };
+	team.forEach(step.bodies.size(), [&](Body::id_t id) {
+		const Bound* bound = handles.bound[id];
+		prefetch<Bound>(handles.bound[indexAhead(id, step.bodies.size())]);
+		if (!bound) return;
+		const rcr::StepBody& b = step.bodies[id];
+		const rcr::Twist&    v = step.problem.velocity[id];
+		const bool           late = imageStep > 0
+		        && double(scene.iter - bound->lastUpdateIter + 2) * imageStep
+		                > double(bound->sweepLength);
+		const bool leaves = late || bound->max[0] - bound->min[0] > widest ? true
+		        : b.shape.grain()
+		        ? grainLeavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
+		                step.dt, *bound)
+		        : rotatesOutOfBox(b, step.bodies[b.owner], step.problem.velocity[b.owner],
+		                step.dt, *bound);
+		if (leaves) out.store(true, std::memory_order_relaxed);
+	});
+	if (out) scene.doSort = true;
+}
 
 void setFreeVelocity(State& s, const rcr::Twist& velocity)
 {

@@ -6,45 +6,41 @@
 
 namespace yade::validation {
 
-namespace {
+constexpr unsigned outOfPlane = State::DOF_Z | State::DOF_RX | State::DOF_RY;
+constexpr double   tilted     = 1e-9; // least x or y of the quaternion of a tilted body
+constexpr double   sameHeight = 1e-9; // difference of z over 1 m + |z|
 
-	constexpr unsigned outOfPlane = State::DOF_Z | State::DOF_RX | State::DOF_RY;
-	constexpr double   tilted     = 1e-9; // least x or y of the quaternion of a tilted body
-	constexpr double   sameHeight = 1e-9; // difference of z over 1 m + |z|
+/// Message about a position or velocity that is not finite; empty: all are finite.
+static std::string motionError(const Body& b)
+{
+	const State& s = *b.state;
+	const auto message = [&](const char* what, const Vector3r& v, const char* name) {
+		return bodyNames({ b.getId() }) + " has the " + what + ' ' + coordinates(v)
+		        + "; expected finite numbers: set b.state." + name + '.';
+	};
+	if (!s.pos.allFinite()) return message("position", s.pos, "pos");
+	if (!s.vel.allFinite()) return message("velocity", s.vel, "vel");
+	if (!s.angVel.allFinite()) return message("angular velocity", s.angVel, "angVel");
+	if (s.ori.coeffs().allFinite()) return {};
+	return bodyNames({ b.getId() })
+	        + " has an orientation that is not finite; set b.state.ori = Quaternion((0, 0, 1), "
+	          "angle).";
+}
 
-	/// Message about a position or velocity that is not finite; empty: all are finite.
-	std::string motionError(const Body& b)
-	{
-		const State& s = *b.state;
-		const auto message = [&](const char* what, const Vector3r& v, const char* name) {
-			return bodyNames({ b.getId() }) + " has the " + what + ' ' + coordinates(v)
-			        + "; expected finite numbers: set b.state." + name + '.';
-		};
-		if (!s.pos.allFinite()) return message("position", s.pos, "pos");
-		if (!s.vel.allFinite()) return message("velocity", s.vel, "vel");
-		if (!s.angVel.allFinite()) return message("angular velocity", s.angVel, "angVel");
-		if (s.ori.coeffs().allFinite()) return {};
-		return bodyNames({ b.getId() })
-		        + " has an orientation that is not finite; set b.state.ori = Quaternion((0, 0, 1), "
-		          "angle).";
-	}
-
-	/// Message about an invalid mass or moment of inertia of a free body; empty: both are valid.
-	std::string inertiaError(const Body& b)
-	{
-		const State&       s     = *b.state;
-		constexpr unsigned shift = State::DOF_X | State::DOF_Y;
-		const auto         valid = [](Real m) { return m > 0 && math::isfinite(m); };
-		if ((s.blockedDOFs & shift) != shift && !valid(s.mass))
-			return bodyNames({ b.getId() }) + " is free but has the mass " + text(s.mass)
-			        + "; give it a mass > 0 or block its degrees of freedom.";
-		if (!(s.blockedDOFs & State::DOF_RZ) && !valid(s.inertia[2]))
-			return bodyNames({ b.getId() }) + " is free to turn but has the moment of inertia "
-			        + text(s.inertia[2]) + " about z; give it one > 0 or block Z.";
-		return {};
-	}
-
-} // namespace
+/// Message about an invalid mass or moment of inertia of a free body; empty: both are valid.
+static std::string inertiaError(const Body& b)
+{
+	const State&       s     = *b.state;
+	constexpr unsigned shift = State::DOF_X | State::DOF_Y;
+	const auto         valid = [](Real m) { return m > 0 && math::isfinite(m); };
+	if ((s.blockedDOFs & shift) != shift && !valid(s.mass))
+		return bodyNames({ b.getId() }) + " is free but has the mass " + text(s.mass)
+		        + "; give it a mass > 0 or block its degrees of freedom.";
+	if (!(s.blockedDOFs & State::DOF_RZ) && !valid(s.inertia[2]))
+		return bodyNames({ b.getId() }) + " is free to turn but has the moment of inertia "
+		        + text(s.inertia[2]) + " about z; give it one > 0 or block Z.";
+	return {};
+}
 
 std::string coordinates(const Vector3r& v)
 {

@@ -4,32 +4,28 @@
 
 namespace yade::validation {
 
-namespace {
+/// Returns true if the engine sets positions or velocities.
+static bool moves(const Engine& engine)
+{
+	return dynamic_cast<const KinematicEngine*>(&engine)
+	        || dynamic_cast<const StepDisplacer*>(&engine);
+}
 
-	/// Returns true if the engine sets positions or velocities.
-	bool moves(const Engine& engine)
-	{
-		return dynamic_cast<const KinematicEngine*>(&engine)
-		        || dynamic_cast<const StepDisplacer*>(&engine);
-	}
+/// Returns true if the engine adds forces, which last until the ForceResetter.
+static bool pushes(const Engine& engine)
+{
+	// a FieldApplier, too
+	if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false;
+	return dynamic_cast<const PartialEngine*>(&engine)
+	        || dynamic_cast<const FieldApplier*>(&engine)
+	        || dynamic_cast<const WallStress*>(&engine);
+}
 
-	/// Returns true if the engine adds forces, which last until the ForceResetter.
-	bool pushes(const Engine& engine)
-	{
-		// a FieldApplier, too
-		if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false;
-		return dynamic_cast<const PartialEngine*>(&engine)
-		        || dynamic_cast<const FieldApplier*>(&engine)
-		        || dynamic_cast<const WallStress*>(&engine);
-	}
-
-	/// Returns true if the engine adds forces or prescribes motion.
-	bool loads(const Engine& engine)
-	{
-		return pushes(engine) || moves(engine) || dynamic_cast<const BoundaryController*>(&engine);
-	}
-
-} // namespace
+/// Returns true if the engine adds forces or prescribes motion.
+static bool loads(const Engine& engine)
+{
+	return pushes(engine) || moves(engine) || dynamic_cast<const BoundaryController*>(&engine);
+}
 
 std::string loadAfterSolver(const View& v)
 {

@@ -5,58 +5,52 @@
 
 namespace rcr {
 
-namespace {
+constexpr double stepsAhead = 12;             // steps that a margin lasts
+constexpr double least = 0.05, most = 0.4;    // margin over the mean cap radius
+// the list is repaired if at most 1/50 of the bodies moved
+constexpr int    repairFraction = 50;
+constexpr int    bodiesPerPart = 256;
+constexpr int    mostCellsPerGrain = 4;
 
-	constexpr double stepsAhead = 12;             // steps that a margin lasts
-	constexpr double least = 0.05, most = 0.4;    // margin over the mean cap radius
-	// the list is repaired if at most 1/50 of the bodies moved
-	constexpr int    repairFraction = 50;
-	constexpr int    bodiesPerPart = 256;
-	constexpr int    mostCellsPerGrain = 4;
-
-	/// Largest displacement of a point of the surface of a body [m].
-	double displacement(
-	        const PlanarShape& before, const Pose& from, const PlanarShape& now, const Pose& to)
-	{
-		if (now.kind == PlanarShape::wall)
-			return now.axis == 0 ? std::abs(to.center.x - from.center.x)
-			                     : std::abs(to.center.y - from.center.y);
-		const double arm = now.kind == PlanarShape::box ? now.radius() : now.halfLength;
-		double       sum = norm(to.center - from.center) + arm * norm(to.axis - from.axis);
-		if (now.kind == PlanarShape::segment)
-			sum += norm(now.offset - before.offset) + arm * norm(now.direction - before.direction)
-			        + std::abs(now.halfLength - before.halfLength);
-		return sum;
-	}
-
-	/// The value with `count` smaller or equal ones; 0 without values.
-	double ranked(std::vector<double>& values, std::size_t count)
-	{
-		if (values.empty()) return 0;
-		std::nth_element(values.begin(), values.begin() + count, values.end());
-		return values[count];
-	}
-
-	/// The value with `count` larger or equal ones; 0 without values.
-	double rankedFromTop(std::vector<double>& values, std::size_t count)
-	{
-		return ranked(values, values.size() - 1 - count);
-	}
-
-	/// Interval of all but 1 % of the values, so that a few distant grains do not enlarge the grid.
-	std::pair<double, double> bulk(std::vector<double>& x)
-	{
-		const std::size_t few = x.size() / 200;
-		return { ranked(x, few), rankedFromTop(x, few) };
-	}
-
-	int clipped(double place, int count) { return int(std::clamp(place, 0.0, double(count - 1))); }
-
-} // namespace
-
-Neighbors::Reference Neighbors::referenceOf(const StepBody& body) const
+/// Largest displacement of a point of the surface of a body [m].
+static double displacement(
+        const PlanarShape& before, const Pose& from, const PlanarShape& now, const Pose& to)
 {
-	return { body.shape, body.pose(), body.alertDistance };
+	if (now.kind == PlanarShape::wall)
+		return now.axis == 0 ? std::abs(to.center.x - from.center.x)
+		                     : std::abs(to.center.y - from.center.y);
+	const double arm = now.kind == PlanarShape::box ? now.radius() : now.halfLength;
+	double       sum = norm(to.center - from.center) + arm * norm(to.axis - from.axis);
+	if (now.kind == PlanarShape::segment)
+		sum += norm(now.offset - before.offset) + arm * norm(now.direction - before.direction)
+		        + std::abs(now.halfLength - before.halfLength);
+	return sum;
+}
+
+/// The value with `count` smaller or equal ones; 0 without values.
+static double ranked(std::vector<double>& values, std::size_t count)
+{
+	if (values.empty()) return 0;
+	std::nth_element(values.begin(), values.begin() + count, values.end());
+	return values[count];
+}
+
+/// The value with `count` larger or equal ones; 0 without values.
+static double rankedFromTop(std::vector<double>& values, std::size_t count)
+{
+	return ranked(values, values.size() - 1 - count);
+}
+
+/// Interval of all but 1 % of the values, so that a few distant grains do not enlarge the grid.
+static std::pair<double, double> bulk(std::vector<double>& x)
+{
+	const std::size_t few = x.size() / 200;
+	return { ranked(x, few), rankedFromTop(x, few) };
+}
+
+static int clipped(double place, int count)
+{
+	return int(std::clamp(place, 0.0, double(count - 1)));
 }
 
 /// Lists the bodies that violate the condition; returns false if the shape of a body changed.
@@ -252,8 +246,7 @@ void Neighbors::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam
 void Neighbors::find(const Step& step, ThreadTeam& team)
 {
 	reference_.resize(step.bodies.size());
-	team.forEach(reference_.size(),
-	        [&](std::size_t id) { reference_[id] = referenceOf(step.bodies[id]); });
+	team.forEach(reference_.size(), [&](std::size_t id) { setReference(id, step.bodies[id]); });
 	chooseMargin(step);
 	sortIntoCells(step);
 	searchNarrow(step, team);
@@ -266,7 +259,7 @@ void Neighbors::find(const Step& step, ThreadTeam& team)
 void Neighbors::repair(const Step& step, ThreadTeam& team)
 {
 	for (std::int32_t id : moved_) {
-		reference_[id] = referenceOf(step.bodies[id]);
+		setReference(id, step.bodies[id]);
 		if (!isWide_[id]) wide_.push_back(id);
 		isWide_[id] = true;
 	}

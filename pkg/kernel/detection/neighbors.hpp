@@ -46,16 +46,19 @@ private:
 	void  find(const Step&, ThreadTeam&);
 	void  repair(const Step&, ThreadTeam&);
 	bool  findMovedBodies(const Step&, ThreadTeam&);
-	Reference referenceOf(const StepBody&) const;
-	Box       box(std::size_t id, double more) const;
-	int    column(double x) const;
-	int    row(double y) const;
-	void   chooseMargin(const Step&);
-	void   sortIntoCells(const Step&);
-	bool   near(std::int32_t body1, std::int32_t body2) const;
+	void  setReference(std::size_t id, const StepBody& body)
+	{
+		reference_[id] = { body.shape, body.pose(), body.alertDistance };
+	}
+	Box  box(std::size_t id, double more) const;
+	int  column(double x) const;
+	int  row(double y) const;
+	void chooseMargin(const Step&);
+	void sortIntoCells(const Step&);
+	bool near(std::int32_t body1, std::int32_t body2) const;
 	template <class Visit> void forEachGrain(const Box&, Visit) const;
-	void   searchNarrow(const Step&, ThreadTeam&);
-	void   searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam&);
+	void searchNarrow(const Step&, ThreadTeam&);
+	void searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam&);
 
 	double                 margin_ = 0; // [m]
 	std::vector<Reference> reference_;

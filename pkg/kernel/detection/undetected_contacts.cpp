@@ -175,56 +175,6 @@ namespace {
 		step.detected.push_back(found);
 	}
 
-} // namespace
-
-bool spansHalfCell(const Step& step)
-{
-	if (!step.cell.periodic) return false;
-	double widest = 0, second = 0;
-	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
-		const StepBody& b = step.bodies[id];
-		if (b.shape.kind == PlanarShape::none) continue;
-		const double extent = b.radius + step.pathOf(int(id), step.problem.velocity[id]);
-		second              = std::max(second, std::min(widest, extent));
-		widest              = std::max(widest, extent);
-	}
-	return widest + second > 0.5 * step.cell.smallestHeight();
-}
-
-double detectionReach(const Step& step, std::size_t id)
-{
-	const double widened = id < step.widenedReach.size() ? step.widenedReach[id] : 0;
-	return std::max(step.bodies[id].alertDistance, widened);
-}
-
-bool findUnlistedContacts(
-        Step& step, const std::vector<std::int32_t>& bodies, const ContactFilter& allowsContact)
-{
-	const Candidates candidates(step, bodies);
-	for (int id : bodies)
-		candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact, true); });
-	keepLastOfEach(step.detected);
-	return !step.detected.empty();
-}
-
-bool findUndetectedContacts(Step& step, const ContactFilter& allowsContact)
-{
-	step.widenedReach.resize(step.bodies.size());
-	const std::vector<std::int32_t> widened = widenReach(step);
-	if (!widened.empty()) {
-		const Candidates candidates(step, widened);
-		for (int id : widened)
-			candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact); });
-		keepLastOfEach(step.detected);
-		step.widened.insert(step.widened.end(), widened.begin(), widened.end());
-	}
-	// contacts detected after earlier solves may close at the present velocities
-	return std::any_of(step.detected.begin(), step.detected.end(),
-	        [&](const DetectedContact& detected) { return closes(step, detected); });
-}
-
-namespace {
-
 	/// Force from which a point starts, and Gap::loadedBefore.
 	struct Start {
 		Impulse force;
@@ -274,6 +224,52 @@ namespace {
 	}
 
 } // namespace
+
+bool spansHalfCell(const Step& step)
+{
+	if (!step.cell.periodic) return false;
+	double widest = 0, second = 0;
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const StepBody& b = step.bodies[id];
+		if (b.shape.kind == PlanarShape::none) continue;
+		const double extent = b.radius + step.pathOf(int(id), step.problem.velocity[id]);
+		second              = std::max(second, std::min(widest, extent));
+		widest              = std::max(widest, extent);
+	}
+	return widest + second > 0.5 * step.cell.smallestHeight();
+}
+
+double detectionReach(const Step& step, std::size_t id)
+{
+	const double widened = id < step.widenedReach.size() ? step.widenedReach[id] : 0;
+	return std::max(step.bodies[id].alertDistance, widened);
+}
+
+bool findUnlistedContacts(
+        Step& step, const std::vector<std::int32_t>& bodies, const ContactFilter& allowsContact)
+{
+	const Candidates candidates(step, bodies);
+	for (int id : bodies)
+		candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact, true); });
+	keepLastOfEach(step.detected);
+	return !step.detected.empty();
+}
+
+bool findUndetectedContacts(Step& step, const ContactFilter& allowsContact)
+{
+	step.widenedReach.resize(step.bodies.size());
+	const std::vector<std::int32_t> widened = widenReach(step);
+	if (!widened.empty()) {
+		const Candidates candidates(step, widened);
+		for (int id : widened)
+			candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact); });
+		keepLastOfEach(step.detected);
+		step.widened.insert(step.widened.end(), widened.begin(), widened.end());
+	}
+	// contacts detected after earlier solves may close at the present velocities
+	return std::any_of(step.detected.begin(), step.detected.end(),
+	        [&](const DetectedContact& detected) { return closes(step, detected); });
+}
 
 void addDetectedContacts(Step& step)
 {

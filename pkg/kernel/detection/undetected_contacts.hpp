@@ -21,13 +21,10 @@ namespace rcr {
 /// Alert distance ℓ of a body with this velocity [m].
 inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 {
-	switch (shape.kind) {
-		case PlanarShape::wall: return 2 * dt * std::abs(shape.axis == 0 ? v.x : v.y);
-		case PlanarShape::disc:
-		case PlanarShape::stadium:
-			return std::max(0.01 * shape.halfWidth, 2 * dt * maxSpeed(v, shape.radius()));
-		default: return 2 * dt * maxSpeed(v, shape.radius());
-	}
+	if (shape.kind == PlanarShape::wall)
+		return 2 * dt * std::abs(shape.axis == 0 ? v.x : v.y);
+	const double alert = 2 * dt * maxSpeed(v, shape.radius());
+	return shape.grain() ? std::max(0.01 * shape.halfWidth, alert) : alert;
 }
 
 /// Returns true if masks, clumps and engines of the simulation allow a new contact of two bodies.

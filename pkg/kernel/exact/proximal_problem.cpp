@@ -6,82 +6,78 @@
 
 namespace rcr {
 
-namespace {
+/// Row of Ĵ of one body: direction d, lever arm, sign −1 for body 1 and +1 for body 2.
+static BlockVector scaledRow(Vec2 d, Vec2 arm, const InverseMass& m, double sign)
+{
+	return { { sign * d.x * std::sqrt(m.x), sign * d.y * std::sqrt(m.y),
+		    sign * cross(arm, d) * std::sqrt(m.rotation), 0 } };
+}
 
-	/// Row of Ĵ of one body: direction d, lever arm, sign −1 for body 1 and +1 for body 2.
-	BlockVector scaledRow(Vec2 d, Vec2 arm, const InverseMass& m, double sign)
-	{
-		return { { sign * d.x * std::sqrt(m.x), sign * d.y * std::sqrt(m.y),
-			    sign * cross(arm, d) * std::sqrt(m.rotation), 0 } };
+/// The contact points with w_nn > 0.
+static std::vector<ScaledContact> scaledContacts(
+        const ContactProblem& problem, std::vector<std::size_t>& origin)
+{
+	std::vector<ScaledContact> contacts;
+	for (std::size_t k = 0; k < problem.points.size(); ++k) {
+		const ContactPoint& c  = problem.points[k];
+		const InverseMass&  m1 = problem.inverseMass[c.body1];
+		const InverseMass&  m2 = problem.inverseMass[c.body2];
+		const Delassus      w  = delassus(c, m1, m2);
+		if (w.nn <= 0) continue;
+		const Vec2 n = c.normal, t = perp(n);
+		contacts.push_back({ c.body1, c.body2, scaledRow(n, c.arm1, m1, -1),
+		        scaledRow(t, c.arm1, m1, -1), scaledRow(n, c.arm2, m2, 1),
+		        scaledRow(t, c.arm2, m2, 1), c.friction, c.bias, w.nn,
+		        m1.prescribed() || m2.prescribed() ? -1 : 0, c.body1 > c.body2 });
+		origin.push_back(k);
 	}
+	return contacts;
+}
 
-	/// The contact points with w_nn > 0.
-	std::vector<ScaledContact> scaledContacts(
-	        const ContactProblem& problem, std::vector<std::size_t>& origin)
-	{
-		std::vector<ScaledContact> contacts;
-		for (std::size_t k = 0; k < problem.points.size(); ++k) {
-			const ContactPoint& c  = problem.points[k];
-			const InverseMass&  m1 = problem.inverseMass[c.body1];
-			const InverseMass&  m2 = problem.inverseMass[c.body2];
-			const Delassus      w  = delassus(c, m1, m2);
-			if (w.nn <= 0) continue;
-			const Vec2 n = c.normal, t = perp(n);
-			contacts.push_back({ c.body1, c.body2, scaledRow(n, c.arm1, m1, -1),
-			        scaledRow(t, c.arm1, m1, -1), scaledRow(n, c.arm2, m2, 1),
-			        scaledRow(t, c.arm2, m2, 1), c.friction, c.bias, w.nn,
-			        m1.prescribed() || m2.prescribed() ? -1 : 0, c.body1 > c.body2 });
-			origin.push_back(k);
-		}
-		return contacts;
-	}
-
-	/// Pairs of bodies that share contacts, each once. Sets ScaledContact::pair.
-	std::vector<BlockLu::Pair> findPairs(std::vector<ScaledContact>& contacts)
-	{
-		std::vector<BlockLu::Pair> pairs;
-		const auto                 pairOf = [](const ScaledContact& c) {
+/// Pairs of bodies that share contacts, each once. Sets ScaledContact::pair.
+static std::vector<BlockLu::Pair> findPairs(std::vector<ScaledContact>& contacts)
+{
+	std::vector<BlockLu::Pair> pairs;
+	const auto                 pairOf = [](const ScaledContact& c) {
             return BlockLu::Pair { std::min(c.body1, c.body2), std::max(c.body1, c.body2) };
-		};
-		for (const ScaledContact& c : contacts)
-			if (c.pair >= 0) pairs.push_back(pairOf(c));
-		std::sort(pairs.begin(), pairs.end());
-		pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-		for (ScaledContact& c : contacts)
-			if (c.pair >= 0)
-				c.pair = static_cast<std::int32_t>(
-				        std::lower_bound(pairs.begin(), pairs.end(), pairOf(c)) - pairs.begin());
-		return pairs;
-	}
+	};
+	for (const ScaledContact& c : contacts)
+		if (c.pair >= 0) pairs.push_back(pairOf(c));
+	std::sort(pairs.begin(), pairs.end());
+	pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+	for (ScaledContact& c : contacts)
+		if (c.pair >= 0)
+			c.pair = static_cast<std::int32_t>(
+			        std::lower_bound(pairs.begin(), pairs.end(), pairOf(c)) - pairs.begin());
+	return pairs;
+}
 
-	/// Impulse of the law for a predictor.
-	Impulse lawOf(Impulse predictor, double friction)
-	{
-		if (predictor.n <= 0) return {};
-		const double limit = friction * predictor.n;
-		if (std::abs(predictor.t) <= limit) return predictor;
-		return { predictor.n, std::copysign(limit, predictor.t) };
-	}
+/// Impulse of the law for a predictor.
+static Impulse lawOf(Impulse predictor, double friction)
+{
+	if (predictor.n <= 0) return {};
+	const double limit = friction * predictor.n;
+	if (std::abs(predictor.t) <= limit) return predictor;
+	return { predictor.n, std::copysign(limit, predictor.t) };
+}
 
-	/// block += x yᵀ
-	void addProduct(Block& block, const BlockVector& x, const BlockVector& y)
-	{
-		for (int j = 0; j < 3; ++j)
-			for (int i = 0; i < 4; ++i)
-				block.entry[j][i] += x.entry[i] * y.entry[j];
-	}
+/// block += x yᵀ
+static void addProduct(Block& block, const BlockVector& x, const BlockVector& y)
+{
+	for (int j = 0; j < 3; ++j)
+		for (int i = 0; i < 4; ++i)
+			block.entry[j][i] += x.entry[i] * y.entry[j];
+}
 
-	/// k (n + sµ t): the impulse per unit of normal velocity of a sliding contact.
-	BlockVector slidingRow(
-	        const BlockVector& n, const BlockVector& t, double sideFriction, double k)
-	{
-		BlockVector row;
-		for (int i = 0; i < 3; ++i)
-			row.entry[i] = k * (n.entry[i] + sideFriction * t.entry[i]);
-		return row;
-	}
-
-} // namespace
+/// k (n + sµ t): the impulse per unit of normal velocity of a sliding contact.
+static BlockVector slidingRow(
+        const BlockVector& n, const BlockVector& t, double sideFriction, double k)
+{
+	BlockVector row;
+	for (int i = 0; i < 3; ++i)
+		row.entry[i] = k * (n.entry[i] + sideFriction * t.entry[i]);
+	return row;
+}
 
 ProximalProblem::ProximalProblem(const ContactProblem& problem)
         : bodyCount_(problem.inverseMass.size())

@@ -4,15 +4,13 @@
 
 namespace rcr {
 
-namespace {
-	using namespace std::chrono_literals;
+using namespace std::chrono_literals;
 
-	/// Time that the leader works alone after a stall, over the length of the stall. Stalls cost at
-	/// most a tenth of the run time.
-	constexpr int aloneFactor = 10;
-	/// Upper bound of this time.
-	constexpr auto maxAlone = 400ms;
-}
+/// Time that the leader works alone after a stall, over the length of the stall. Stalls cost at
+/// most a tenth of the run time.
+constexpr int aloneFactor = 10;
+/// Upper bound of this time.
+constexpr auto maxAlone = 400ms;
 
 void ThreadTeam::begin(int threads)
 {

@@ -7,164 +7,159 @@
 
 namespace rcr {
 
-namespace {
+/// Residual below which exact steps are faster than sweeps with friction [-].
+constexpr double finestForSweeps = 1e-6;
+/// Least number of sweeps without a new lowest residual before exact steps start.
+constexpr int leastPatience = 300;
+/// Exact iterations whose cost equals the patience of the sweeps.
+constexpr int exactIterations = 10;
+/// Sweeps of a later pass of a step that has yielded.
+constexpr int sweepsAfterYield = 50;
+/// Points of a small problem. Its exact steps cost no more than some hundred sweeps.
+constexpr int smallProblem = 1000;
+/// Cost of an exact iteration of a small problem, in sweeps; larger problems pay more.
+constexpr int sweepsPerExact = 20;
+/// Least maxIterations for a test of divergence. Shorter passes run ten sweeps, too few for it.
+constexpr int minIterationsToProbe = 20;
+/// Sweeps from zero for a step whose impulses have positive cost. A few remove most of the
+/// cost.
+constexpr int sweepsFromZero = 100;
+/// Factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift.
+constexpr double fineFloor = 1e-3;
+/// Upper bound of exact iterations × points for this finer floor.
+constexpr int maxFineWork = 15000;
 
-	/// Residual below which exact steps are faster than sweeps with friction [-].
-	constexpr double finestForSweeps = 1e-6;
-	/// Least number of sweeps without a new lowest residual before exact steps start.
-	constexpr int leastPatience = 300;
-	/// Exact iterations whose cost equals the patience of the sweeps.
-	constexpr int exactIterations = 10;
-	/// Sweeps of a later pass of a step that has yielded.
-	constexpr int sweepsAfterYield = 50;
-	/// Points of a small problem. Its exact steps cost no more than some hundred sweeps.
-	constexpr int smallProblem = 1000;
-	/// Cost of an exact iteration of a small problem, in sweeps; larger problems pay more.
-	constexpr int sweepsPerExact = 20;
-	/// Least maxIterations for a test of divergence. Shorter passes run ten sweeps, too few for it.
-	constexpr int minIterationsToProbe = 20;
-	/// Sweeps from zero for a step whose impulses have positive cost. A few remove most of the
-	/// cost.
-	constexpr int sweepsFromZero = 100;
-	/// Factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift.
-	constexpr double fineFloor = 1e-3;
-	/// Upper bound of exact iterations × points for this finer floor.
-	constexpr int maxFineWork = 15000;
+static bool frictionless(const ContactProblem& problem)
+{
+	const auto isFrictionless = [](const ContactPoint& c) { return c.friction == 0; };
+	return std::all_of(problem.points.begin(), problem.points.end(), isFrictionless);
+}
 
-	bool frictionless(const ContactProblem& problem)
-	{
-		const auto isFrictionless = [](const ContactPoint& c) { return c.friction == 0; };
-		return std::all_of(problem.points.begin(), problem.points.end(), isFrictionless);
+/// Sweeps without a new lowest residual after which exact steps pay off. Measured: an exact
+/// iteration costs 20 sweeps at 1000 points and 220 at 25 000.
+static int patience(std::size_t points)
+{
+	const double size = std::pow(double(points) / smallProblem, 0.75);
+	return std::max(leastPatience, int(exactIterations * sweepsPerExact * size));
+}
+
+static bool exceedsYieldImpulse(const ContactProblem& problem, const Settings& settings)
+{
+	const auto exceeds = [&](const Impulse& p) { return p.n > settings.yielding.yieldImpulse; };
+	return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
+}
+
+/// Returns true if a prescribed motion closes a contact and also blocks its normal direction.
+/// No impulse can open such a contact.
+static bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
+{
+	const auto translates = [&](int body) {
+		return problem.inverseMass[body].x > 0 && problem.inverseMass[body].y > 0;
+	};
+	return std::any_of(
+	        problem.points.begin(), problem.points.end(), [&](const ContactPoint& c) {
+		        return !translates(c.body1) && !translates(c.body2)
+		                && delassus(problem, c).nn <= 0
+		                && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
+		                && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;
+	        });
+}
+
+/// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
+/// impulses so large that both relative errors are small.
+static bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings,
+        Workspace& workspace)
+{
+	if (settings.yielding.compliance == 0) return false;
+	if (report.yielded) return true;
+	if (exceedsYieldImpulse(problem, settings)) return true;
+	if (closesBlockedContact(problem, settings.roundingVelocity)) return true;
+	if (mayExceedEnergyBound(problem, report.dissipated, report.freeSpeed)
+	    && exceedsEnergyBound(problem))
+		return true;
+	if (report.converged || settings.tolerance == 0) return false;
+	if (settings.yieldedBefore) return true;
+	if (report.impulseGrowth <= minGrowth) return false;
+	return settings.maxIterations >= minIterationsToProbe
+	        && probeDivergence(problem, settings, workspace);
+}
+
+static Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
+{
+	const bool   small = settings.tolerance > 0 && int(problem.points.size()) <= smallProblem;
+	const double floor = settings.velocityFloor;
+	const int    most  = settings.maxIterations;
+	if (small) settings.velocityFloor *= fineFloor;
+	if (settings.tolerance > 0 && settings.tolerance < finestForSweeps && !frictionless(problem))
+		return solveExact(problem, settings, workspace);
+	Settings sweeps    = settings;
+	sweeps.stallSweeps = patience(problem.points.size());
+	if (small) sweeps.maxIterations = std::min(leastPatience, most);
+	Report report = solveNesterov(problem, sweeps, workspace);
+	if (report.converged || settings.tolerance == 0) return report;
+	const auto left      = [&] { return most - report.iterations; };
+	const auto converged = [&] {
+		return report.meetsResidual(settings)
+		        && kinematicError(problem, floor) <= settings.kinematicTolerance;
+	};
+	const auto runExact = [&](int iterations, double velocityFloor, int cost) {
+		Settings steps      = settings;
+		steps.sameProblem   = true;
+		steps.velocityFloor = velocityFloor;
+		steps.maxIterations = iterations;
+		steps.exactCost     = cost;
+		report              = solveExact(problem, steps, workspace, &report).after(report);
+	};
+	if (left() > 0) {
+		report.yielded = mustYield(report, problem, settings, workspace);
+		if (report.yielded) return report; // exact steps would take long and find no solution
 	}
-
-	/// Sweeps without a new lowest residual after which exact steps pay off. Measured: an exact
-	/// iteration costs 20 sweeps at 1000 points and 220 at 25 000.
-	int patience(std::size_t points)
-	{
-		const double size = std::pow(double(points) / smallProblem, 0.75);
-		return std::max(leastPatience, int(exactIterations * sweepsPerExact * size));
-	}
-
-	bool exceedsYieldImpulse(const ContactProblem& problem, const Settings& settings)
-	{
-		const auto exceeds = [&](const Impulse& p) { return p.n > settings.yielding.yieldImpulse; };
-		return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
-	}
-
-	/// Returns true if a prescribed motion closes a contact and also blocks its normal direction.
-	/// No impulse can open such a contact.
-	bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
-	{
-		const auto translates = [&](int body) {
-			return problem.inverseMass[body].x > 0 && problem.inverseMass[body].y > 0;
-		};
-		return std::any_of(
-		        problem.points.begin(), problem.points.end(), [&](const ContactPoint& c) {
-			        return !translates(c.body1) && !translates(c.body2)
-			                && delassus(problem, c).nn <= 0
-			                && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
-			                && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;
-		        });
-	}
-
-	/// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
-	/// impulses so large that both relative errors are small.
-	bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings,
-	        Workspace& workspace)
-	{
-		if (settings.yielding.compliance == 0) return false;
-		if (report.yielded) return true;
-		if (exceedsYieldImpulse(problem, settings)) return true;
-		if (closesBlockedContact(problem, settings.roundingVelocity)) return true;
-		if (mayExceedEnergyBound(problem, report.dissipated, report.freeSpeed)
-		    && exceedsEnergyBound(problem))
-			return true;
-		if (report.converged || settings.tolerance == 0) return false;
-		if (settings.yieldedBefore) return true;
-		if (report.impulseGrowth <= minGrowth) return false;
-		return settings.maxIterations >= minIterationsToProbe
-		        && probeDivergence(problem, settings, workspace);
-	}
-
-	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
-	{
-		const bool   small = settings.tolerance > 0 && int(problem.points.size()) <= smallProblem;
-		const double floor = settings.velocityFloor;
-		const int    most  = settings.maxIterations;
-		if (small) settings.velocityFloor *= fineFloor;
-		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps
-		    && !frictionless(problem))
-			return solveExact(problem, settings, workspace);
-		Settings sweeps    = settings;
-		sweeps.stallSweeps = patience(problem.points.size());
-		if (small) sweeps.maxIterations = std::min(leastPatience, most);
-		Report report = solveNesterov(problem, sweeps, workspace);
-		if (report.converged || settings.tolerance == 0) return report;
-		const auto left      = [&] { return most - report.iterations; };
-		const auto converged = [&] {
-			return report.meetsResidual(settings)
-			        && kinematicError(problem, floor) <= settings.kinematicTolerance;
-		};
-		const auto runExact = [&](int iterations, double velocityFloor, int cost) {
-			Settings steps      = settings;
-			steps.sameProblem   = true;
-			steps.velocityFloor = velocityFloor;
-			steps.maxIterations = iterations;
-			steps.exactCost     = cost;
-			report              = solveExact(problem, steps, workspace, &report).after(report);
-		};
-		if (left() > 0) {
-			report.yielded = mustYield(report, problem, settings, workspace);
-			if (report.yielded) return report; // exact steps would take long and find no solution
+	const int  cost        = small ? sweepsPerExact : 1;
+	const bool forcesKnown = small && report.meetsResidual(settings);
+	int        fine        = left();
+	if (forcesKnown) { // limits the work of exact steps, which improve the velocities only
+		fine = std::min(left(), maxFineWork / int(problem.points.size()));
+		if (left() > fine && !converged()) {
+			sweeps.sameProblem   = true;
+			sweeps.velocityFloor = floor;
+			sweeps.maxIterations = left() - fine;
+			report               = solveNesterov(problem, sweeps, workspace).after(report);
 		}
-		const int  cost        = small ? sweepsPerExact : 1;
-		const bool forcesKnown = small && report.meetsResidual(settings);
-		int        fine        = left();
-		if (forcesKnown) { // limits the work of exact steps, which improve the velocities only
-			fine = std::min(left(), maxFineWork / int(problem.points.size()));
-			if (left() > fine && !converged()) {
-				sweeps.sameProblem   = true;
-				sweeps.velocityFloor = floor;
-				sweeps.maxIterations = left() - fine;
-				report               = solveNesterov(problem, sweeps, workspace).after(report);
-			}
-		}
-		if (fine > 0) runExact(fine, settings.velocityFloor, forcesKnown ? 1 : cost);
-		if (small && !report.yielded && left() > 0 && !converged()) runExact(left(), floor, cost);
-		if (small) report.kinematicError = kinematicError(problem, floor);
-		report.converged = report.converged || report.meetsTolerances(settings);
-		return report;
 	}
+	if (fine > 0) runExact(fine, settings.velocityFloor, forcesKnown ? 1 : cost);
+	if (small && !report.yielded && left() > 0 && !converged()) runExact(left(), floor, cost);
+	if (small) report.kinematicError = kinematicError(problem, floor);
+	report.converged = report.converged || report.meetsTolerances(settings);
+	return report;
+}
 
-	/// Solves with rigid contacts. The report has `yielded` if it found that no rigid solution
-	/// exists.
-	Report solveRigid(ContactProblem& problem, const std::string& solver, const Settings& settings,
-	        Workspace& workspace)
-	{
-		if (settings.yieldedBefore && settings.yielding.compliance > 0) {
-			Settings few      = settings;
-			few.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
-			return solveNesterov(problem, few, workspace);
-		}
-		if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
-		if (solver == "sor") return solveSor(problem, settings, workspace);
-		if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
-			return solveNesterov(problem, settings, workspace);
-		if (solver == "exact") return solveExact(problem, settings, workspace);
-		return solveAuto(problem, settings, workspace);
+/// Solves with rigid contacts. The report has `yielded` if it found that no rigid solution
+/// exists.
+static Report solveRigid(ContactProblem& problem, const std::string& solver,
+        const Settings& settings, Workspace& workspace)
+{
+	if (settings.yieldedBefore && settings.yielding.compliance > 0) {
+		Settings few      = settings;
+		few.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
+		return solveNesterov(problem, few, workspace);
 	}
+	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
+	if (solver == "sor") return solveSor(problem, settings, workspace);
+	if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
+		return solveNesterov(problem, settings, workspace);
+	if (solver == "exact") return solveExact(problem, settings, workspace);
+	return solveAuto(problem, settings, workspace);
+}
 
-	/// Sweeps from zero impulses. Without friction, every sweep lowers the cost.
-	Report solveFromZero(ContactProblem& problem, const Settings& settings, Workspace& workspace)
-	{
-		Settings sweeps      = settings;
-		sweeps.sameProblem   = true;
-		sweeps.maxIterations = std::max(settings.minIterations, sweepsFromZero);
-		problem.impulse.assign(problem.points.size(), {});
-		return solveNlgs(problem, sweeps, workspace);
-	}
-
-} // namespace
+/// Sweeps from zero impulses. Without friction, every sweep lowers the cost.
+static Report solveFromZero(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+{
+	Settings sweeps      = settings;
+	sweeps.sameProblem   = true;
+	sweeps.maxIterations = std::max(settings.minIterations, sweepsFromZero);
+	problem.impulse.assign(problem.points.size(), {});
+	return solveNlgs(problem, sweeps, workspace);
+}
 
 const std::vector<std::string>& solverNames()
 {

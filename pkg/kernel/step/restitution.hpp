@@ -1,8 +1,4 @@
-// Sets the bias b_n of a point. Lowers restitution that would add energy.
-//
-//   b_n = g/dt    open gap, which may close within the step
-//   b_n = e u_n⁻  restitution within the step: Newton's rule with the coefficient e
-//   b_n = 0       lasting contact
+// Lowers restitution that would add energy.
 //
 // Newton's rule adds energy in two cases. Friction may reverse the slip at a point. Its
 // restitution is then lowered to the value that keeps the energy (passiveRestitutionFactor in
@@ -24,18 +20,6 @@
 #include "step/step.hpp"
 
 namespace rcr {
-
-/// Bias b_n of a point with this gap [m/s]. normalVelocity() returns its u_n at the beginning of
-/// the step; it is called only if e > 0.
-template <class NormalVelocity>
-double lawBias(double gap, double restitution, double dt, NormalVelocity normalVelocity)
-{
-	if (restitution > 0) {
-		const double u = normalVelocity();
-		if (u < 0 && gap + dt * u < 0) return restitution * u;
-	}
-	return gap > 0 ? gap / dt : 0;
-}
 
 /// Lowers the restitution of two bodies if their contact points together add energy in the solved
 /// step. Returns true if a bias changed.

@@ -3,7 +3,6 @@
 #include <numeric>
 
 #include "parallel/thread_team.hpp"
-#include "step/restitution.hpp"
 
 namespace rcr {
 
@@ -20,6 +19,16 @@ Pose poseAfter(const StepBody& body, const StepBody& owner, const Twist& v, doub
 	return { center, turn.axis() };
 }
 
+/// u_n at the beginning of the step if the point closes faster than rounding errors, else 0 [m/s].
+static double closingVelocity(const Step& step, const ContactPoint& c)
+{
+	constexpr double rounding = 1e-9; // of velocities, relative
+	const StepBody & one = step.bodies[c.body1], &two = step.bodies[c.body2];
+	const double fastest = maxSpeed(one.velocity, one.radius) + maxSpeed(two.velocity, two.radius);
+	const double u       = step.initialVelocity(c).n;
+	return u < -rounding * fastest ? u : 0;
+}
+
 ContactPoint Step::contactPoint(const StepContact& contact, const ManifoldPoint& at) const
 {
 	ContactPoint c;
@@ -31,19 +40,11 @@ ContactPoint Step::contactPoint(const StepContact& contact, const ManifoldPoint&
 	c.friction = contact.friction;
 	c.drift    = contact.drift;
 	c.shift    = cell.stretches() ? contact.shift : Vec2 {};
-	c.bias     = overdamped
-	            ? at.gap / dt
-	            : lawBias(at.gap, contact.restitution, dt, [&] { return closingVelocity(c); });
+	c.bias     = overdamped || at.gap > 0 ? at.gap / dt : 0;
+	if (overdamped || !(contact.restitution > 0)) return c;
+	const double u = closingVelocity(*this, c);
+	if (u < 0 && at.gap + dt * u < 0) c.bias = contact.restitution * u;
 	return c;
-}
-
-double Step::closingVelocity(const ContactPoint& c) const
-{
-	constexpr double rounding = 1e-9; // of velocities, relative
-	const StepBody & one = bodies[c.body1], &two = bodies[c.body2];
-	const double fastest = maxSpeed(one.velocity, one.radius) + maxSpeed(two.velocity, two.radius);
-	const double u       = initialVelocity(c).n;
-	return u < -rounding * fastest ? u : 0;
 }
 
 void Step::resizePoints(int points)

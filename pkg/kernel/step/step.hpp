@@ -215,12 +215,11 @@ struct Step {
 		return relativeVelocity(c, bodies[c.body1].velocity, bodies[c.body2].velocity);
 	}
 
-	/// u_n at the beginning of the step if the point closes faster than rounding errors, else 0
-	/// [m/s].
-	double closingVelocity(const ContactPoint&) const;
-
-	/// A detected point as a point of the problem. Its bias follows from the velocities at the
-	/// beginning of the step.
+	/// A detected point as a point of the problem, with the bias of the law:
+	///
+	///   b_n = e u_n⁻  the gap closes within the step: Newton's rule with the restitution e
+	///   b_n = g/dt    open gap, and any gap of an overdamped step
+	///   b_n = 0       lasting contact
 	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&) const;
 
 	/// Sets the number of contact points and clears the results of the last step.

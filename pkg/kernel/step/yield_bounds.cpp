@@ -7,51 +7,47 @@
 
 namespace rcr {
 
-namespace {
+constexpr double loads       = 10;   // factor of L in the compliance
+constexpr double mostMomenta = 3;    // factor of P in the largest rigid impulse
+constexpr double mostLoads   = 200;  // factor of L in the largest rigid impulse
+constexpr double response    = 0.1;  // w₀ over the response of a body of the mean mass
+constexpr double stiffest    = 1e-4; // smallest ε that sweeps can solve
 
-	constexpr double loads       = 10;   // factor of L in the compliance
-	constexpr double mostMomenta = 3;    // factor of P in the largest rigid impulse
-	constexpr double mostLoads   = 200;  // factor of L in the largest rigid impulse
-	constexpr double response    = 0.1;  // w₀ over the response of a body of the mean mass
-	constexpr double stiffest    = 1e-4; // smallest ε that sweeps can solve
-
-	/// Length of the longest of all shortest chains of contacts that begin at a driven body
-	/// (breadth-first search).
-	int longestChain(const ContactProblem& problem)
-	{
-		const std::size_t         count = problem.inverseMass.size();
-		std::vector<std::int32_t> layer, next;
-		std::vector<char>         seen(count);
-		for (std::size_t id = 0; id < count; ++id) {
-			const bool driven = problem.driven(id);
-			seen[id]          = driven || problem.prescribed(id);
-			if (driven) layer.push_back(std::int32_t(id));
-		}
-		if (layer.empty()) return 0;
-		std::vector<std::array<std::int32_t, 2>> pairs;
-		pairs.reserve(problem.points.size());
-		for (const ContactPoint& c : problem.points)
-			if (pairs.empty() || pairs.back()[0] != c.body1 || pairs.back()[1] != c.body2)
-				pairs.push_back({ c.body1, c.body2 });
-		std::vector<std::int32_t> first, other;
-		listByKey(count, first, other, [&](auto add) {
-			for (const auto& [body1, body2] : pairs)
-				add(body1, body2), add(body2, body1);
-		});
-		int length = -1;
-		for (; !layer.empty(); ++length) {
-			next.clear();
-			for (std::int32_t id : layer)
-				for (std::int32_t k = first[id]; k < first[id + 1]; ++k) {
-					if (!seen[other[k]]) next.push_back(other[k]);
-					seen[other[k]] = true;
-				}
-			layer.swap(next);
-		}
-		return std::max(length, 0);
+/// Length of the longest of all shortest chains of contacts that begin at a driven body
+/// (breadth-first search).
+static int longestChain(const ContactProblem& problem)
+{
+	const std::size_t         count = problem.inverseMass.size();
+	std::vector<std::int32_t> layer, next;
+	std::vector<char>         seen(count);
+	for (std::size_t id = 0; id < count; ++id) {
+		const bool driven = problem.driven(id);
+		seen[id]          = driven || problem.prescribed(id);
+		if (driven) layer.push_back(std::int32_t(id));
 	}
-
-} // namespace
+	if (layer.empty()) return 0;
+	std::vector<std::array<std::int32_t, 2>> pairs;
+	pairs.reserve(problem.points.size());
+	for (const ContactPoint& c : problem.points)
+		if (pairs.empty() || pairs.back()[0] != c.body1 || pairs.back()[1] != c.body2)
+			pairs.push_back({ c.body1, c.body2 });
+	std::vector<std::int32_t> first, other;
+	listByKey(count, first, other, [&](auto add) {
+		for (const auto& [body1, body2] : pairs)
+			add(body1, body2), add(body2, body1);
+	});
+	int length = -1;
+	for (; !layer.empty(); ++length) {
+		next.clear();
+		for (std::int32_t id : layer)
+			for (std::int32_t k = first[id]; k < first[id + 1]; ++k) {
+				if (!seen[other[k]]) next.push_back(other[k]);
+				seen[other[k]] = true;
+			}
+		layer.swap(next);
+	}
+	return std::max(length, 0);
+}
 
 YieldBounds yieldBoundsOf(
         const ContactProblem& problem, const std::vector<Twist>& before, ThreadTeam& team)

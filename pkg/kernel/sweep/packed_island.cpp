@@ -84,16 +84,10 @@ void PackedIsland::recomputeVelocities()
 		std::copy(free + offsetOf(records.begin), free + offsetOf(records.end),
 		        view_.recordAt(records.begin));
 	});
-	applyImpulses();
-	state_.measures.reset();
-	state_.velocityRecomputed = true;
-}
-
-/// v ← v + M⁻¹Jᵀp
-void PackedIsland::applyImpulses()
-{
 	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->apply(view_, chunk); });
 	forEachOverflowPoint([&](OverflowPoint& c) { applyImpulse(view_, c, c.p); });
+	state_.measures.reset();
+	state_.velocityRecomputed = true;
 }
 
 void PackedIsland::sweep()

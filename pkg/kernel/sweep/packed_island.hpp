@@ -66,7 +66,6 @@ private:
 	template <class Real>
 	Impulse solve(const View<Real>&, const OverflowPoint&, const Impulse& from) const;
 
-	void applyImpulses();
 	/// Call before the velocities change. Invalidates cached velocities and measures.
 	void invalidate()
 	{
