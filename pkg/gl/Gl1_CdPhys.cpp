@@ -1,4 +1,3 @@
-#include "dem/contacts/CdPhys.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 #include "dem/validation/validation.hpp"
 #include "overlay.hpp"

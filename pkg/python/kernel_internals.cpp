@@ -159,17 +159,14 @@ namespace {
 	Array applyLanes(
 	        int lanes, const std::string& name, const Array& a, const Array& b, const Array& c)
 	{
-		static const char* const names[]
-		        = { "add", "subtract", "multiply", "divide",    "add_product", "subtract_product",
-			        "min", "max",      "abs",      "copy_sign", "select",      "zero_where" };
-		const auto found = std::find(std::begin(names), std::end(names), name);
-		if (found == std::end(names)) refuse("operation '", name, "' is not known");
+		const auto* const begin = std::begin(laneOperations);
+		const auto* const found = std::find(begin, std::end(laneOperations), name);
+		if (found == std::end(laneOperations)) refuse("operation '", name, "' is not known");
 		for (const Array* array : { &a, &b, &c })
 			requireShape(*array, "operand", { blockWidth });
 		const Operand x(a), y(b), z(c);
 		Operand       out;
-		laneCheck(lanes).apply(
-		        LaneOperation(found - std::begin(names)), x.value, y.value, z.value, out.value);
+		laneCheck(lanes).apply(found - begin, x.value, y.value, z.value, out.value);
 		return Array(blockWidth, out.value);
 	}
 

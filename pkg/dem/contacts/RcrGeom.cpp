@@ -1,7 +1,7 @@
 #include "dem/contacts/RcrGeom.hpp"
 
 #include "dem/validation/validation.hpp"
-#include "dem/shapes/planarShape.hpp"
+#include "dem/shapes/plane.hpp"
 #include "dem/transfer/prefetch.hpp"
 
 namespace yade {

@@ -1,6 +1,5 @@
 #include "dem/records/StepMonitor.hpp"
 
-
 #include "dem/validation/validation.hpp"
 #include "kernel/parallel/thread_team.hpp"
 #include "kernel/step/energy.hpp"
@@ -22,37 +21,34 @@ static std::string deepestPair(const rcr::Step& step, double overlap)
 /// Names of the driven bodies and cell; empty: none.
 static std::string drivenParts(const rcr::Step& step)
 {
-	std::string parts = validation::bodyNames(rcr::drivenBodies(step.problem));
+	std::vector<Body::id_t> driven;
+	for (int id = 0; id < int(step.bodies.size()); ++id)
+		if (step.problem.driven(id)) driven.push_back(id);
+	std::string parts = validation::bodyNames(driven);
 	if (step.cell.driven())
-		parts += std::string(parts.empty() ? "" : " and ")
-		        + "the velocity gradient of the cell";
+		parts += std::string(parts.empty() ? "" : " and ") + "the velocity gradient of the cell";
 	return parts;
 }
 
-/// `overlaps`: the deepest pair and its overlap.
-static std::string jamMessage(const std::string& overlaps, const std::string& driven)
+/// `overlaps`: the deepest pair and its overlap. `driven`: parts that squeeze grains.
+static std::string squeezeMessage(rcr::JamDetector::Verdict verdict,
+        const StepMonitor::Outcome& outcome, const std::string& overlaps, const std::string& driven)
 {
-	return "ContactDynamics: jam: " + overlaps
-	        + ", and the overlap grows from step to step. These steps have no solution, since "
-	          "the motion prescribed to "
-	        + driven
-	        + " presses rigid grains together. Stop or reverse that motion (b.state.vel, "
-	          "O.cell.velGrad), or press by a force (WallStress, CellStress).";
-}
-
-static std::string notConvergedMessage(const std::string& overlaps, int iterations)
-{
-	return "ContactDynamics: not converged: " + overlaps
-	        + ", and the overlap grows from step to step. The solver found neither a solution "
-	          "in "
-	        + std::to_string(iterations)
-	        + " sweeps nor a proof that none exists, so positions and forces are wrong. Set a "
-	          "larger ContactDynamics.maxIterations or a smaller O.dt.";
-}
-
-static std::string growingMessage(const std::string& overlaps)
-{
-	return "ContactDynamics: " + overlaps
+	if (verdict == rcr::JamDetector::Verdict::jam)
+		return "jam: " + overlaps
+		        + ", and the overlap grows from step to step. These steps have no solution, since "
+		          "the motion prescribed to "
+		        + driven
+		        + " presses rigid grains together. Stop or reverse that motion (b.state.vel, "
+		          "O.cell.velGrad), or press by a force (WallStress, CellStress).";
+	if (outcome.missed)
+		return "not converged: " + overlaps
+		        + ", and the overlap grows from step to step. The solver found neither a solution "
+		          "in "
+		        + std::to_string(outcome.iterations)
+		        + " sweeps nor a proof that none exists, so positions and forces are wrong. Set a "
+		          "larger ContactDynamics.maxIterations or a smaller O.dt.";
+	return overlaps
 	        + ", and the overlap grows, although this step has converged. Positions and forces "
 	          "are wrong. The bodies may have passed through each other before: place them "
 	          "apart, or take a smaller O.dt from the start.";
@@ -81,9 +77,7 @@ std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
 		const std::string overlaps = deepestPair(step, overlap) + " overlap by "
 		        + validation::text(overlap, 2) + " of R₁ + R₂";
 		throw std::runtime_error(
-		        verdict == rcr::JamDetector::Verdict::jam ? jamMessage(overlaps, driven)
-		                : outcome.missed ? notConvergedMessage(overlaps, outcome.iterations)
-		                                 : growingMessage(overlaps));
+		        "ContactDynamics: " + squeezeMessage(verdict, outcome, overlaps, driven));
 	}
 	if (!steps.count(outcome.missed, outcome.yielded, overlap, outcome.overdamped)) return {};
 	std::string warning = "step " + std::to_string(outcome.iteration) + ": " + steps.message();
@@ -94,11 +88,9 @@ std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
 
 int firstNotFinite(const rcr::Step& step)
 {
-	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
-		const rcr::Twist& v = step.problem.velocity[id];
-		if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.rotation))
+	for (std::size_t id = 0; id < step.bodies.size(); ++id)
+		if (const rcr::Twist& v = step.problem.velocity[id]; !rcr::finite(v.x, v.y, v.rotation))
 			return int(id);
-	}
 	return -1;
 }
 

@@ -1,7 +1,6 @@
 // Checks each solved step and counts steps by their outcome.
 #pragma once
 
-
 #include "dem/yadeHeaders.hpp"
 #include "kernel/step/step.hpp"
 #include "kernel/watch/jam_detector.hpp"

@@ -1,7 +1,7 @@
 #include "dem/shapes/Rcr.hpp"
 
 #include "dem/validation/validation.hpp"
-#include "dem/shapes/planarShape.hpp"
+#include "dem/shapes/plane.hpp"
 
 namespace yade {
 

@@ -1,7 +1,8 @@
-// Conversions between YADE's three dimensions and the plane z = const.
+// Conversions between YADE's three dimensions and the plane z = const of the grains.
 #pragma once
 
-#include "dem/yadeHeaders.hpp"
+#include "dem/shapes/Rcr.hpp"
+#include "kernel/detection/undetected_contacts.hpp"
 #include "kernel/step/leapfrog.hpp"
 
 namespace yade::plane {
@@ -25,6 +26,17 @@ inline rcr::Flow flowOf(const Matrix3r& gradient)
 {
 	return { { { double(gradient(0, 0)), double(gradient(0, 1)) },
 		    { double(gradient(1, 0)), double(gradient(1, 1)) } } };
+}
+
+/// Shape in the plane at height z; kind none if it is unsupported or does not reach the plane.
+rcr::PlanarShape shapeOf(const Shape&, const State&, Real z);
+
+/// Rotation of a body; 0 for a segment, whose end points contain the rotation.
+inline rcr::Turn turnOf(const rcr::PlanarShape& shape, const State& state)
+{
+	return shape.kind == rcr::PlanarShape::segment
+	        ? rcr::Turn {}
+	        : rcr::Turn { double(state.ori.w()), double(state.ori.z()) };
 }
 
 } // namespace yade::plane

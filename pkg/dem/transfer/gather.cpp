@@ -2,7 +2,7 @@
 
 #include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"
-#include "dem/shapes/planarShape.hpp"
+#include "dem/shapes/plane.hpp"
 #include "dem/transfer/prefetch.hpp"
 #include "kernel/problem/list_by_key.hpp"
 

@@ -1,6 +1,5 @@
 #include "dem/transfer/scatter.hpp"
 
-
 #include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"
 #include "dem/shapes/plane.hpp"
@@ -144,12 +143,10 @@ Interaction& interactionOf(Scene& scene, const rcr::Pair& pair, rcr::Vec2 shift)
 	shared_ptr<Interaction> i = scene.interactions->find(pair.body1, pair.body2);
 	if (!i) {
 		i = boost::make_shared<Interaction>(pair.body1, pair.body2);
-		if (scene.isPeriodic)
-			i->cellDist = (scene.cell->hSize.inverse() * plane::toSpace(shift))
-			                      .array()
-			                      .round()
-			                      .matrix()
-			                      .cast<int>();
+		if (scene.isPeriodic) {
+			const Vector3r cells = scene.cell->hSize.inverse() * plane::toSpace(shift);
+			i->cellDist          = Vector3r(cells.array().round()).cast<int>();
+		}
 		scene.interactions->insert(i);
 	}
 	if (!i->geom && i->getId1() != pair.body1) i->swapOrder();

@@ -1,7 +1,6 @@
 // View of a scene for the rules of validation: engines by kind and order, law, bodies by shape.
 #pragma once
 
-
 #include "dem/engine/ContactDynamics.hpp"
 #include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"

@@ -1,6 +1,5 @@
 // Rules of validation on bodies: motion, inertia, materials, obstacles in the plane of the grains.
 
-#include "dem/shapes/planarShape.hpp"
 #include "dem/validation/SceneView.hpp"
 #include "kernel/problem/residual.hpp"
 

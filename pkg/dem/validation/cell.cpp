@@ -1,6 +1,5 @@
 // Rules of validation on the periodic cell.
 #include "dem/validation/SceneView.hpp"
-#include "dem/shapes/planarShape.hpp"
 #include "dem/transfer/MeanField.hpp"
 
 namespace yade::validation {

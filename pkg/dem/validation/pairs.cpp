@@ -3,7 +3,6 @@
 #include <set>
 
 #include "dem/validation/SceneView.hpp"
-#include "dem/shapes/planarShape.hpp"
 
 namespace yade::validation {
 

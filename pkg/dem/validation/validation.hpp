@@ -1,17 +1,5 @@
-// Validation of scenes: checks that the laws support a scene and explains rejections.
-//
-// Supported in the plane z = const and per unit depth:
-//
-//   grains     Rcr, Sphere (a disc), and clumps of them
-//   obstacles  Wall normal to x or y, Box rotated about z, Facet that cuts the plane in a segment
-//   cell       open, or periodic without walls; rigid law: stresses by CellStress
-//   material   FrictMat
-//   engines    ForceResetter, a collider with a Bo1 for every shape, loads, InteractionLoop with an
-//              Ig2_…_RcrGeom for every pair, then by law
-//     rigid    Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb;
-//              ContactDynamics; NewtonIntegrator(damping=0)
-//     smooth   Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack;
-//              NewtonIntegrator
+// Validation of scenes: checks that the laws support a scene (docs/supported.md) and explains
+// rejections.
 //
 // validation.cpp holds the table of rules. Python evaluates it when a run starts. ContactDynamics
 // evaluates it when engines, the number of bodies or PairExclusions change. Ig2 functors evaluate
@@ -19,7 +7,6 @@
 // each step; gather checks each body. Each message has the given value, the expected value and a
 // remedy.
 #pragma once
-
 
 #include "kernel/geometry/planar_shape.hpp"
 #include "kernel/problem/refuse.hpp"

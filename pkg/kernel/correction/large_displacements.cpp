@@ -1,6 +1,5 @@
 #include "correction/large_displacements.hpp"
 
-
 namespace rcr {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

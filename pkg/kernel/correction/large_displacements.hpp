@@ -21,7 +21,6 @@
 // velocities. Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once
 
-
 #include "detection/undetected_contacts.hpp"
 
 namespace rcr {
@@ -43,14 +42,14 @@ inline bool hasLargeDisplacement(
 	return path * path > largeDisplacement * largeDisplacement * c.size * (cap(one) + cap(two));
 }
 
-/// Returns true if the contact has a large displacement at the solved velocities.
+/// At the solved velocities.
 inline bool hasLargeDisplacement(const Step& step, const StepContact& c)
 {
 	return hasLargeDisplacement(
 	        step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
 }
 
-/// Returns true if a contact has a large displacement at the solved velocities.
+/// Returns true if a contact has one at the solved velocities.
 inline bool anyLargeDisplacement(const Step& step)
 {
 	return std::any_of(step.contacts.begin(), step.contacts.end(),

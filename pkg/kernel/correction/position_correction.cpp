@@ -1,6 +1,5 @@
 #include "correction/position_correction.hpp"
 
-
 #include "parallel/thread_team.hpp"
 
 namespace rcr {

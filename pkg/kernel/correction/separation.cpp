@@ -1,6 +1,5 @@
 #include "correction/separation.hpp"
 
-
 #include "problem/coulomb.hpp"
 #include "correction/large_displacements.hpp"
 

@@ -1,6 +1,5 @@
 #include "delassus/delassus_problem.hpp"
 
-
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
 

@@ -15,7 +15,6 @@
 // Source: Jean 1999; Acary, Brémond and Huber 2018 (FCLIB).
 #pragma once
 
-
 #include "problem/solver.hpp"
 
 namespace rcr {

@@ -1,6 +1,5 @@
 #include "detection/neighbors.hpp"
 
-
 #include "problem/list_by_key.hpp"
 
 namespace rcr {

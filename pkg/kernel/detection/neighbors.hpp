@@ -30,8 +30,7 @@ public:
 	/// periodic cells.
 	bool update(const Step&, ThreadTeam&);
 
-	/// The pairs, sorted by body 1, then body 2.
-	const List& list() const { return list_; }
+	const List& list() const { return list_; } // sorted by body 1, then body 2
 
 private:
 	struct Reference { // state of a body at the time of the list

@@ -1,6 +1,5 @@
 #include "detection/pairs.hpp"
 
-
 #include "step/carry_forward.hpp"
 
 namespace rcr {

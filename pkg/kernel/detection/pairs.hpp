@@ -3,7 +3,6 @@
 // Steps in arrays use these data while the interactions of the simulation are out of date.
 #pragma once
 
-
 #include "detection/neighbors.hpp"
 
 namespace rcr {

@@ -24,7 +24,6 @@
 // Source: Rockafellar 1976 (proximal point); Alart and Curnier 1991 (the pieces).
 #pragma once
 
-
 #include "exact/block_lu.hpp"
 #include "problem/contact_problem.hpp"
 

@@ -1,6 +1,5 @@
 #include "geometry/planar_shape.hpp"
 
-
 namespace rcr {
 
 static Stadium stadiumOf(const PlanarShape& s) { return { s.halfLength, s.halfWidth }; }

@@ -7,7 +7,6 @@
 // Quantities are per unit depth. The centre of mass is the centre of the core segment.
 #pragma once
 
-
 #include "geometry/vec2.hpp"
 
 namespace rcr {

@@ -15,7 +15,6 @@ class SharedLoop;
 /// system provides fewer threads, the leader does their work.
 void requestHelpers(const std::shared_ptr<SharedLoop>&);
 
-/// Number of helper threads of the process.
-int helperCount();
+int helperCount(); // of the process
 
 } // namespace rcr

@@ -1,6 +1,5 @@
 #include "problem/contact_problem.hpp"
 
-
 #include "parallel/thread_team.hpp"
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
@@ -72,14 +71,6 @@ std::vector<double> biases(const ContactProblem& problem)
 	for (const ContactPoint& point : problem.points)
 		bias.push_back(point.bias);
 	return bias;
-}
-
-std::vector<int> drivenBodies(const ContactProblem& problem)
-{
-	std::vector<int> driven;
-	for (int body = 0; body < int(problem.inverseMass.size()); ++body)
-		if (problem.driven(body)) driven.push_back(body);
-	return driven;
 }
 
 double drivenSpeed(const ContactProblem& problem)

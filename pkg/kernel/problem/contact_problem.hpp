@@ -125,12 +125,7 @@ struct ContactProblem {
 	}
 };
 
-/// Numbers of the driven bodies.
-std::vector<int> drivenBodies(const ContactProblem&);
-
-/// b_n of all points [m/s].
-std::vector<double> biases(const ContactProblem&);
-
+std::vector<double> biases(const ContactProblem&); // of all points [m/s]
 /// Largest speed of driven motion at a contact point, of bodies and of periodic images [m/s].
 double drivenSpeed(const ContactProblem&);
 

@@ -16,7 +16,6 @@
 // collision. Source: Moreau 1988; Jean 1999, §4; Génot and Brogliato 1999 (Painlevé case).
 #pragma once
 
-
 #include "problem/contact_problem.hpp"
 
 namespace rcr {

@@ -1,6 +1,5 @@
 #include "problem/reductions.hpp"
 
-
 #include "problem/refuse.hpp"
 
 namespace rcr {

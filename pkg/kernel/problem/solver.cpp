@@ -4,7 +4,6 @@
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
 
-
 namespace rcr {
 
 /// Residual below which exact steps are faster than sweeps with friction [-].

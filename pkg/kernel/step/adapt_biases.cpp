@@ -1,6 +1,5 @@
 #include "step/adapt_biases.hpp"
 
-
 #include "correction/large_displacements.hpp"
 #include "step/restitution.hpp"
 

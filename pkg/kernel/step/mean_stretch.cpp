@@ -1,6 +1,5 @@
 #include "step/mean_stretch.hpp"
 
-
 namespace rcr {
 
 namespace {

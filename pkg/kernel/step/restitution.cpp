@@ -1,6 +1,5 @@
 #include "step/restitution.hpp"
 
-
 #include "problem/coulomb.hpp"
 #include "problem/disjoint_sets.hpp"
 

@@ -1,22 +1,8 @@
 // One time step of rigid contacts: all data that its stages read and write, in flat arrays.
 //
-//   stage                result                                file
-//   gather               bodies, contact points, loads         (simulation)
-//   yield bounds         bounds of the contact impulses        step/yield_bounds.hpp
-//   solve                impulses and velocities               problem/solver.hpp
-//   undetected contacts  contacts that close within the step   detection/undetected_contacts.hpp
-//   adapt biases         biases of the next solve              step/adapt_biases.hpp
-//     displacements      gaps at the displaced positions       correction/large_displacements.hpp
-//     restitution        restitution that adds no energy       step/restitution.hpp
-//   mean stretch         stretch rate of overdamped bodies     step/mean_stretch.hpp
-//   position correction  displacements that remove overlaps    correction/position_correction.hpp
-//   separation           displacements that remove overlaps    correction/separation.hpp
-//                        left by curved paths
-//   scatter              forces, displacements, new contacts   (simulation)
-//
-// The stages in between change these arrays alone, so an error in them changes nothing in the
-// simulation. They call the simulation only to filter new contacts and to obtain their friction and
-// restitution. Bodies have the same numbers as in the simulation. A contact stores these numbers. A
+// pkg/README.md lists the stages. Those between gather and scatter change these arrays alone, so an
+// error in them changes nothing in the simulation. They call the simulation only to filter new
+// contacts and to obtain their friction and restitution. Bodies have the same numbers as in the simulation. A contact stores these numbers. A
 // point stores the bodies that its impulse moves, for a clump member its clump.
 //
 // | symbol | field         | unit | meaning                                               |
@@ -26,7 +12,6 @@
 // | b_n    | bias          | m/s  | bias of a point in 0 ≤ u_n + b_n ⟂ p_n ≥ 0            |
 // | s      | shift         | m    | from body 2 to its image that meets body 1            |
 #pragma once
-
 
 #include "geometry/planar_shape.hpp"
 #include "problem/contact_problem.hpp"

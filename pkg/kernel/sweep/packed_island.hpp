@@ -4,7 +4,6 @@
 // is updated every few hundred sweeps; then rounding of floats does not accumulate.
 #pragma once
 
-
 #include "sweep/packed_problem.hpp"
 
 namespace rcr {

@@ -1,7 +1,6 @@
 // Mixed precision of an island: sweeps in floats about a reference in doubles.
 #include "sweep/packed_island.hpp"
 
-
 namespace rcr {
 
 namespace {

@@ -1,6 +1,5 @@
 #include "sweep/packed_problem.hpp"
 
-
 #include "sweep/packed_island.hpp"
 
 namespace rcr {

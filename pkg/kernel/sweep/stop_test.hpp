@@ -1,7 +1,6 @@
 // The stop test of all sweep solvers.
 #pragma once
 
-
 #include "problem/solver.hpp"
 
 namespace rcr {

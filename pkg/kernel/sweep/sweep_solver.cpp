@@ -1,6 +1,5 @@
 #include "sweep/sweep_solver.hpp"
 
-
 #include "problem/residual.hpp"
 
 namespace rcr {

@@ -1,7 +1,6 @@
 // Common parts of the sweep solvers: loading, storing, the stop test of an island, the report.
 #pragma once
 
-
 #include "sweep/packed_island.hpp"
 #include "sweep/stop_test.hpp"
 

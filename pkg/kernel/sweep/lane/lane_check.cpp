@@ -8,31 +8,15 @@ namespace {
 
 	using L = Lane<RCR_LANES>;
 
-	L result(LaneOperation operation, L a, L b, L c)
+	void apply(long operation, const double* x, const double* y, const double* z, double* out)
 	{
-		switch (operation) {
-			case LaneOperation::add: return a + b;
-			case LaneOperation::subtract: return a - b;
-			case LaneOperation::multiply: return a * b;
-			case LaneOperation::divide: return a / b;
-			case LaneOperation::addProduct: return addProduct(a, b, c);
-			case LaneOperation::subtractProduct: return subtractProduct(a, b, c);
-			case LaneOperation::min: return min(a, b);
-			case LaneOperation::max: return max(a, b);
-			case LaneOperation::abs: return abs(a);
-			case LaneOperation::copySign: return copySign(a, b);
-			case LaneOperation::select: return select(a <= b, b, c);
-			case LaneOperation::zeroWhere: return zeroWhere(a <= b, c);
+		for (int lane = 0; lane < blockWidth; lane += RCR_LANES) {
+			const L a = L::load(x + lane), b = L::load(y + lane), c = L::load(z + lane);
+			const L results[] = { a + b, a - b, a * b, a / b, addProduct(a, b, c),
+				subtractProduct(a, b, c), min(a, b), max(a, b), abs(a), copySign(a, b),
+				select(a <= b, b, c), zeroWhere(a <= b, c) }; // in the order of laneOperations
+			results[operation].store(out + lane);
 		}
-		return a;
-	}
-
-	void apply(LaneOperation operation, const double* a, const double* b, const double* c,
-	        double* out)
-	{
-		for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
-			result(operation, L::load(a + lane), L::load(b + lane), L::load(c + lane))
-			        .store(out + lane);
 	}
 
 	void moveBodies(double* records, const std::uint32_t* from, const std::uint32_t* to)

@@ -6,15 +6,14 @@
 
 namespace rcr {
 
-enum class LaneOperation {
-	add, subtract, multiply, divide, addProduct, subtractProduct, min, max, abs, copySign, select,
-	zeroWhere
-};
+/// Operations on (a, b, c). select: a <= b ? b : c; zero_where: a <= b ? 0 : c.
+constexpr const char* laneOperations[] = { "add", "subtract", "multiply", "divide", "add_product",
+	"subtract_product", "min", "max", "abs", "copy_sign", "select", "zero_where" };
 
 struct LaneCheck {
 	/// out = operation(a, b, c) for arrays of blockWidth numbers at multiples of 64 bytes.
-	/// select: a <= b ? b : c; zeroWhere: a <= b ? 0 : c.
-	void (*apply)(LaneOperation, const double* a, const double* b, const double* c, double* out);
+	/// `operation`: index in laneOperations.
+	void (*apply)(long operation, const double* a, const double* b, const double* c, double* out);
 	/// Copies records, whole or halves, from the offsets `from` to the offsets `to`.
 	void (*moveBodies)(double* records, const std::uint32_t* from, const std::uint32_t* to);
 	void (*moveCenters)(double* records, const std::uint32_t* from, const std::uint32_t* to);

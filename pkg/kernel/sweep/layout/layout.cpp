@@ -1,6 +1,5 @@
 #include "sweep/layout/layout.hpp"
 
-
 #include "parallel/thread_team.hpp"
 #include "problem/list_by_key.hpp"
 

@@ -15,7 +15,6 @@
 // A small island would leave most slots empty.
 #pragma once
 
-
 #include "problem/contact_problem.hpp"
 #include "problem/reductions.hpp"
 #include "sweep/lane/packed_blocks.hpp"

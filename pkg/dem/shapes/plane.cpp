@@ -1,4 +1,4 @@
-#include "dem/shapes/planarShape.hpp"
+#include "dem/shapes/plane.hpp"
 
 namespace yade::plane {
 
