@@ -34,8 +34,7 @@ void registerClasses()
 /// memory.
 std::string versionError()
 {
-	const std::string running
-	        = py::extract<std::string>(py::import("yade.config").attr("version"));
+	const std::string running = py::extract<std::string>(py::import("yade.config").attr("version"));
 	if (running == RCR_YADE_VERSION) return {};
 	return "rcr was built for YADE " RCR_YADE_VERSION ", but YADE " + running
 	        + " is running. Start scripts/yade-rcr to rebuild it.";

@@ -87,18 +87,15 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 	const Body::id_t    id1 = interaction->getId1(), id2 = interaction->getId2();
 	const State &state1 = *Body::byId(id1, scene)->state, &state2 = *Body::byId(id2, scene)->state;
 	const rcr::Manifold manifold = geom.manifold();
-	const double        inverse = inverseMass(id1, scene) + inverseMass(id2, scene);
-	const bool          periodic = scene->isPeriodic;
-	const rcr::Vec2     shift    = periodic
-	               ? plane::toPlane(scene->cell->intrShiftPos(interaction->cellDist))
-	               : rcr::Vec2 {};
-	const rcr::Vec2     drift    = periodic
-	               ? plane::toPlane(scene->cell->intrShiftVel(interaction->cellDist))
-	               : rcr::Vec2 {};
+	const double        inverse  = inverseMass(id1, scene) + inverseMass(id2, scene);
 	const double        dashpot  = damping > 0 && inverse > 0
 	               ? 2 * double(damping) * std::sqrt(double(phys.kn) / inverse)
 	               : 0;
-
+	rcr::Vec2 shift, drift; // of the image of body 2
+	if (scene->isPeriodic) {
+		shift = plane::toPlane(scene->cell->intrShiftPos(interaction->cellDist));
+		drift = plane::toPlane(scene->cell->intrShiftVel(interaction->cellDist));
+	}
 	rcr::Twist onBody1, onBody2; // forces and moments
 	rcr::Vec2  normalForce, shearForce;
 	for (int k = 0; k < manifold.count; ++k) {
@@ -109,12 +106,11 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 			continue;
 		}
 		rcr::ContactPoint point;
-		point.normal            = at.normal;
-		point.arm1              = at.position - plane::toPlane(state1.pos);
-		point.arm2              = at.position - (plane::toPlane(state2.pos) + shift);
-		point.drift             = drift;
-		const rcr::Impulse u
-		        = relativeVelocity(point, plane::twistOf(state1), plane::twistOf(state2));
+		point.normal = at.normal;
+		point.arm1   = at.position - plane::toPlane(state1.pos);
+		point.arm2   = at.position - (plane::toPlane(state2.pos) + shift);
+		point.drift  = drift;
+		const auto u = relativeVelocity(point, plane::twistOf(state1), plane::twistOf(state2));
 		const rcr::Impulse f = pointForce(phys, dashpot, -at.gap, u, double(force[1]));
 		force                = Vector2r(f.n, f.t);
 		normalForce          = normalForce + f.n * at.normal;

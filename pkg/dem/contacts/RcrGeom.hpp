@@ -10,7 +10,6 @@ class RcrGeom : public GenericSpheresContact {
 public:
 	~RcrGeom() override;
 
-	/// Sets the contact points of two bodies.
 	void          set(const rcr::Manifold&, const rcr::PlanarShape& one, const rcr::Pose& at1,
 	                 const rcr::PlanarShape& two, const rcr::Pose& at2);
 	rcr::Manifold manifold() const;

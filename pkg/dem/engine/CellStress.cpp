@@ -6,19 +6,19 @@ namespace yade {
 
 /// Lengths of the cell along x and y [m]. They do not depend on the choice of its edges, which
 /// O.cell.flipCell changes: the shortest lattice vector along x, and the area over it.
-static rcr::Vec2 lengths(const double (&h)[2][2])
+static rcr::Vec2 lengths(const rcr::PeriodicCell& cell)
 {
+	const auto& h = cell.h;
 	if (h[1][0] == 0) return { h[0][0], h[1][1] };
 	constexpr int most = 4; // edges in this vector
-	const double  area = std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]);
 	double        x    = 0;
 	for (int i = -most; i <= most; ++i)
 		for (int j = -most; j <= most; ++j) {
 			const rcr::Vec2 v = rcr::product(h, { double(i), double(j) });
 			if (v.x > 0 && std::abs(v.y) < 1e-9 * v.x && (x == 0 || v.x < x)) x = v.x;
 		}
-	if (x == 0) x = std::sqrt(area); // prescribed motion has turned all lattice vectors
-	return { x, area / x };
+	if (x == 0) x = std::sqrt(cell.area()); // prescribed motion has turned all lattice vectors
+	return { x, cell.area() / x };
 }
 
 void CellStress::action()
@@ -26,10 +26,9 @@ void CellStress::action()
 	if (!(mass > 0 && math::isfinite(mass)))
 		validation::refuse("CellStress.mass = ", validation::text(mass),
 		        "; expected a finite factor > 0 of the inertia of the grains.");
-	for (int axis = 0; axis < 2; ++axis)
-		if (math::isinf(stress[axis]))
-			validation::refuse("CellStress.stress is infinite; expected a finite stress, or NaN "
-			                   "for an axis whose motion is prescribed.");
+	if (math::isinf(stress[0]) || math::isinf(stress[1]))
+		validation::refuse("CellStress.stress is infinite; expected a finite stress, or NaN for an "
+		                   "axis whose motion is prescribed.");
 	for (int axis = 0; axis < 2; ++axis)
 		if (stress[axis] < 0)
 			validation::refuse("CellStress.stress = (", validation::text(stress[0]), ", ",
@@ -50,14 +49,13 @@ void CellStress::gatherCell(rcr::Step& step) const
 	for (std::size_t id = 0; id < step.bodies.size(); ++id)
 		if (step.problem.inverseMass[id].x > 0) grains += 1 / step.problem.inverseMass[id].x;
 	if (grains == 0) return;
-	rcr::PeriodicCell& cell   = step.cell;
-	const double       area   = std::abs(cell.h[0][0] * cell.h[1][1] - cell.h[0][1] * cell.h[1][0]);
-	const rcr::Vec2    size   = lengths(cell.h);
-	const auto         free   = [&](int axis, double length, double& inverse) {
-                if (math::isnan(stress[axis])) return;
-                inverse = 12 / (double(mass) * grains * length * length);
-                if (step.overdamped) cell.gradient[axis][axis] = 0;
-                cell.gradient[axis][axis] -= inverse * step.dt * double(stress[axis]) * area;
+	rcr::PeriodicCell& cell = step.cell;
+	const rcr::Vec2    size = lengths(cell);
+	const auto         free = [&](int axis, double length, double& inverse) {
+		if (math::isnan(stress[axis])) return;
+		inverse = 12 / (double(mass) * grains * length * length);
+		if (step.overdamped) cell.gradient[axis][axis] = 0;
+		cell.gradient[axis][axis] -= inverse * step.dt * double(stress[axis]) * cell.area();
 	};
 	free(0, size.x, cell.inverseMass.x);
 	free(1, size.y, cell.inverseMass.y);

@@ -30,10 +30,9 @@ std::string WallStress::attributeError(const Scene& in) const
 	if ((*in.bodies)[wall]->state->blockedDOFs & State::axisDOF(pressed))
 		return "WallStress.wall = " + std::to_string(wall) + " is held along " + "xyz"[pressed]
 		        + ", so that no stress moves it; take rcr.mobile_wall, or set WallStress.dead.";
-	return math::isfinite(stress) ? std::string()
-	                              : "WallStress.stress = " + validation::text(stress)
-	                + "; expected a finite stress [Pa]; a negative one pushes towards smaller "
-	                  "coordinates.";
+	if (math::isfinite(stress)) return {};
+	return "WallStress.stress = " + validation::text(stress)
+	        + "; expected a finite stress [Pa]; a negative one pushes towards smaller coordinates.";
 }
 
 void WallStress::action()

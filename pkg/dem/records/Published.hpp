@@ -4,7 +4,6 @@
 #include <atomic>
 
 #include <boost/serialization/nvp.hpp>
-#include <boost/serialization/split_member.hpp>
 
 #include "dem/yadeHeaders.hpp"
 
@@ -22,20 +21,13 @@ public:
 	}
 	operator Value() const { return value_.load(std::memory_order_relaxed); }
 
-	template <class Archive> void save(Archive& archive, unsigned) const
+	template <class Archive> void serialize(Archive& archive, unsigned)
 	{
-		const Value value = *this;
-		archive << boost::serialization::make_nvp("value", value);
+		Value value = *this;
+		archive & boost::serialization::make_nvp("value", value);
+		if constexpr (Archive::is_loading::value) *this = value;
 	}
-	template <class Archive> void load(Archive& archive, unsigned)
-	{
-		Value value;
-		archive >> boost::serialization::make_nvp("value", value);
-		*this = value;
-	}
-	BOOST_SERIALIZATION_SPLIT_MEMBER()
 
-	/// Converts it to a number in Python.
 	static void registerConverters()
 	{
 		boost::python::to_python_converter<Published, Published>();

@@ -15,16 +15,12 @@ public:
 	/// Runs `work` and adds its duration to the stage.
 	template <class Work> auto measure(const char* stage, Work work)
 	{
+		using Clock = std::chrono::steady_clock;
 		struct Timer {
-			StageTimes&                                 times;
-			const char*                                 stage;
-			const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-			~Timer()
-			{
-				times.add(stage,
-				        std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-				                .count());
-			}
+			StageTimes&             times;
+			const char*             stage;
+			const Clock::time_point start = Clock::now();
+			~Timer() { times.add(stage, std::chrono::duration<double>(Clock::now() - start).count()); }
 		} timer { *this, stage };
 		return work();
 	}

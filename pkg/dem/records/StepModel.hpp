@@ -11,8 +11,7 @@ namespace yade {
 class StepModel {
 public:
 	/// `work`: sweeps × points of the step. `meanStretchRate`: along x and y [1/s].
-	void setProblem(
-	        const rcr::ModelSummary& summary, double work, const Vector2r& meanStretchRate)
+	void setProblem(const rcr::ModelSummary& summary, double work, const Vector2r& meanStretchRate)
 	{
 		const std::lock_guard<std::mutex> lock(mutex_);
 		summary_ = summary, work_ = work, meanStretchRate_ = meanStretchRate;

@@ -9,6 +9,15 @@ namespace yade {
 // largest strain of a cell per step; beyond it, contacts may stay undetected
 constexpr double largestStretch = 0.02;
 
+/// Overlap of a point at the beginning of the step over R₁ + R₂; 0 between two prescribed bodies.
+static double overlapOf(const rcr::Step& step, std::size_t k)
+{
+	const double overlap = rcr::contactSlop * step.gap[k].now / step.gap[k].allowed;
+	if (overlap <= 0) return 0;
+	const rcr::ContactPoint& c = step.problem.points[k];
+	return step.problem.prescribed(c.body1) && step.problem.prescribed(c.body2) ? 0 : overlap;
+}
+
 static std::string deepestPair(const rcr::Step& step, double overlap)
 {
 	std::size_t k = 0;
@@ -54,14 +63,6 @@ static std::string squeezeMessage(rcr::JamDetector::Verdict verdict,
 	          "apart, or take a smaller O.dt from the start.";
 }
 
-double overlapOf(const rcr::Step& step, std::size_t k)
-{
-	const double overlap = rcr::contactSlop * step.gap[k].now / step.gap[k].allowed;
-	if (overlap <= 0) return 0;
-	const rcr::ContactPoint& c = step.problem.points[k];
-	return step.problem.prescribed(c.body1) && step.problem.prescribed(c.body2) ? 0 : overlap;
-}
-
 double deepestOverlap(const rcr::Step& step, rcr::ThreadTeam& team)
 {
 	return team.maximum(step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });
@@ -71,8 +72,8 @@ std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
 {
 	const double      overlap = outcome.overlap;
 	const auto        verdict = jam.update(overlap, outcome.yielded);
-	const std::string driven
-	        = verdict == rcr::JamDetector::Verdict::none ? "" : drivenParts(step);
+	const bool        none    = verdict == rcr::JamDetector::Verdict::none;
+	const std::string driven  = none ? "" : drivenParts(step);
 	if (!driven.empty()) {
 		const std::string overlaps = deepestPair(step, overlap) + " overlap by "
 		        + validation::text(overlap, 2) + " of R₁ + R₂";
@@ -106,9 +107,8 @@ void checkEnergy(const rcr::Step& step, long iteration)
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const rcr::StepBody& body = step.bodies[id];
 		if (problem.driven(int(id))) return;
-		kinetic += 0.5
-		        * (twice(body.velocity, problem.inverseMass[id])
-		                + twice(problem.freeVelocity[id], problem.inverseMass[id]));
+		const rcr::InverseMass& inverse = problem.inverseMass[id];
+		kinetic += 0.5 * (twice(body.velocity, inverse) + twice(problem.freeVelocity[id], inverse));
 		if (!body.free || body.radius == 0) continue;
 		const double path = step.dt * maxSpeed(body.velocity, body.radius) / body.radius;
 		if (path > farthest) farthest = path, fastest = id;

@@ -13,7 +13,6 @@ public:
 	rcr::StepCounts  steps;
 	rcr::JamDetector jam;
 
-	/// Outcome of a step as the solver reports it.
 	struct Outcome {
 		long   iteration;  // O.iter
 		bool   missed;     // it did not converge, at a tolerance > 0
@@ -39,10 +38,7 @@ public:
 	}
 };
 
-/// Overlap of a point at the beginning of the step over R₁ + R₂; 0 between two prescribed bodies.
-double overlapOf(const rcr::Step&, std::size_t point);
-
-/// Deepest overlap at the beginning of the step over R₁ + R₂.
+/// Deepest overlap at the beginning of the step over R₁ + R₂, except between prescribed bodies.
 double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 
 /// Number of the first body whose solved velocity is not finite; −1: none.

@@ -16,13 +16,11 @@ public:
 	/// Results of one step.
 	struct Result {
 		long   iteration; // O.iter at its end
-		double time; // O.time at its end [s]
+		double time;      // O.time at its end [s]
 		int    iterations, points;
 		double residual;
 		bool   missed, yielded;
-		// of a missed step: larger ratio of residual or kinematic error to its tolerance [-]; else
-		// 0
-		double toleranceRatio;
+		double toleranceRatio; // larger ratio of an error to its tolerance; 0 unless missed [-]
 	};
 
 	/// Throws std::invalid_argument if an id is not that of a body or clump of the scene.

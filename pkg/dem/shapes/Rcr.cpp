@@ -27,8 +27,7 @@ static void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3
 {
 	const rcr::PlanarShape planar = plane::shapeOf(shape, *body.state, body.state->pos.z());
 	const Real             radius = factor * planar.radius();
-	Real                   ahead  = factor
-	        * rcr::alertDistance(planar, plane::twistOf(*body.state), double(scene.dt));
+	Real ahead = factor * rcr::alertDistance(planar, plane::twistOf(*body.state), double(scene.dt));
 	if (!bound) bound = boost::make_shared<Aabb>();
 	const Vector3r wider  = validation::widening(scene);
 	Vector3r       center = se3.position;

@@ -33,7 +33,6 @@ struct MeanField {
 		if (engines.cellStress) engines.cellStress->clearStressedAxes(startGradient);
 	}
 
-	/// Sum of these terms for a body.
 	rcr::Twist velocityChange(const State& s, double dt) const
 	{
 		const Vector3r v = change * s.pos + Real(dt) * (convection * s.vel);

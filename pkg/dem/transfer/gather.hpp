@@ -12,7 +12,6 @@ namespace yade {
 /// YADE's objects of a step. Pointers hold until YADE's bodies or interactions change; ArraySteps
 /// stops before that.
 struct SceneHandles {
-	/// A contact in YADE.
 	struct Contact {
 		RcrGeom*     geom        = nullptr;
 		CdPhys*      phys        = nullptr;

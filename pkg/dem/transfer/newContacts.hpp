@@ -9,8 +9,7 @@ struct ContactCoefficients {
 	double friction, restitution;
 };
 /// Friction and restitution of a new contact, by the Ip2 functor of the scene.
-ContactCoefficients coefficientsOf(
-        Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2);
+ContactCoefficients coefficientsOf(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2);
 
 /// Returns true if the collider and the functors of the scene allow a contact of the two bodies.
 /// Throws if no Ig2 functor handles bodies that could overlap.

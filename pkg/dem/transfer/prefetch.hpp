@@ -19,15 +19,10 @@ inline std::size_t indexAhead(std::size_t k, std::size_t count)
 /// Prefetches the memory of an object of type T; null is allowed.
 template <class T> inline void prefetch(const void* object)
 {
-#if defined(__GNUC__)
 	for (std::size_t line = 0; line < sizeof(T); line += 64)
 		__builtin_prefetch(static_cast<const char*>(object) + line);
-#else
-	(void)object;
-#endif
 }
 
-/// Prefetches state and shape of a later body.
 inline void prefetchBody(const Body* later)
 {
 	if (!later) return;
@@ -47,7 +42,6 @@ inline void prefetchContact(
 	prefetch<CdPhys>(later.phys.get());
 }
 
-/// Prefetches later interactions, their contacts and their bodies.
 inline void prefetchPair(const Scene& scene, std::size_t k)
 {
 	const InteractionContainer& interactions = *scene.interactions;

@@ -10,11 +10,8 @@ namespace yade {
 /// Impulses on clump members count for the clump.
 std::vector<rcr::Twist> contactImpulses(const rcr::Step&);
 
-/// Sets the free components of the velocity.
-void setFreeVelocity(State&, const rcr::Twist& velocity);
-
-/// Displaces a body by the position correction.
-void applyCorrection(State&, const rcr::Twist& by);
+void setFreeVelocity(State&, const rcr::Twist& velocity); // its free components
+void applyCorrection(State&, const rcr::Twist& by);       // displaces a body
 
 /// Returns the interaction of a pair; creates it if there is none. `shift`: from body 2 to its
 /// image.

@@ -7,10 +7,10 @@ namespace yade::validation {
 std::string wallsInCell(const View& v)
 {
 	const Body* wall = v.scene.isPeriodic ? v.body<Wall>() : nullptr;
-	return wall ? bodyNames({ wall->getId() })
-	                + " is a Wall in a periodic cell, which has no boundary; remove it, or use "
-	                  "rcr.segment or fixed Rcrs."
-	            : std::string();
+	if (!wall) return {};
+	return bodyNames({ wall->getId() })
+	        + " is a Wall in a periodic cell, which has no boundary; remove it, or use rcr.segment or "
+	          "fixed Rcrs.";
 }
 
 std::string cellStress(const View& v)
@@ -36,10 +36,10 @@ std::string velocityGradient(const View& v)
 	const bool sheared = v.scene.cell->hasShear()
 	        || gradient != Matrix3r(gradient.diagonal().asDiagonal());
 	const Body* box = sheared ? v.body<Box>() : nullptr; // YADE ends the process
-	return box ? bodyNames({ box->getId() })
-	                + " is a Box in a sheared periodic cell; use rcr.segment or fixed Rcrs, or "
-	                  "leave the cell rectangular."
-	           : std::string();
+	if (!box) return {};
+	return bodyNames({ box->getId() })
+	        + " is a Box in a sheared periodic cell; use rcr.segment or fixed Rcrs, or leave the cell "
+	          "rectangular.";
 }
 
 /// Rejects cells in which YADE's collider would end the process, since a body spans half of the

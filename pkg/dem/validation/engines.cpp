@@ -81,9 +81,8 @@ std::string attributeErrors(const View& v)
 std::string timeStep(const View& v)
 {
 	const Real dt = v.scene.dt;
-	return dt > 0 && math::isfinite(dt)
-	        ? std::string()
-	        : "O.dt = " + text(dt) + "; expected a finite time step > 0.";
+	if (dt > 0 && math::isfinite(dt)) return {};
+	return "O.dt = " + text(dt) + "; expected a finite time step > 0.";
 }
 
 std::string finiteMotion(const View& v)
@@ -93,26 +92,25 @@ std::string finiteMotion(const View& v)
 	if (!math::isfinite(newton->gravity.sum()))
 		return "NewtonIntegrator.gravity = " + coordinates(newton->gravity)
 		        + "; expected finite accelerations, as gravity=(0, -9.81, 0).";
-	return math::isfinite(newton->damping) ? std::string()
-	                                       : "NewtonIntegrator.damping = "
-	                + text(newton->damping) + "; expected a finite share, 0 for none.";
+	if (math::isfinite(newton->damping)) return {};
+	return "NewtonIntegrator.damping = " + text(newton->damping)
+	        + "; expected a finite share, 0 for none.";
 }
 
 std::string integrator(const View& v)
 {
 	const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
-	if (newton && newton->damping != 0)
+	if (!newton) return {};
+	if (newton->damping != 0)
 		return "NewtonIntegrator.damping = " + text(newton->damping)
 		        + " would damp the contact forces; set damping=0 (a restitution below 1 "
 		          "dissipates energy).";
-	if (newton && newton->densityScaling)
+	if (newton->densityScaling)
 		return "NewtonIntegrator.densityScaling is on; switch it off, the time step is not "
 		       "bound by a stiffness.";
-	return newton && newton->gravity[2] != 0
-	        ? "NewtonIntegrator.gravity = " + coordinates(newton->gravity)
-	                + " pulls out of the plane of the grains, which is x and y; set "
-	                  "gravity=(0, -9.81, 0)."
-	        : std::string();
+	if (newton->gravity[2] == 0) return {};
+	return "NewtonIntegrator.gravity = " + coordinates(newton->gravity)
+	        + " pulls out of the plane of the grains, which is x and y; set gravity=(0, -9.81, 0).";
 }
 
 std::string timeStepper(const View& v)

@@ -11,14 +11,13 @@ namespace {
 	constexpr double deepOverlap = 0.01; // over R₁ + R₂; beds at rest and flows stay below 5e-3
 
 	/// Properties of a body that decide which bodies it could collide with.
-	struct Party {
+	struct Partner {
 		const Body* body;
-		// loads and contacts do not move it, or it is a line, which touches grains only
-		bool        immovable;
-		Body::id_t  clump; // ID_NONE for a single body
+		bool        immovable; // loads and contacts do not move it, or it is a Wall or Facet
+		Body::id_t  clump;     // ID_NONE for a single body
 	};
 
-	Party partyOf(const Body& b, const Scene& scene)
+	Partner partnerOf(const Body& b, const Scene& scene)
 	{
 		const Body& moved = b.isClumpMember() ? *(*scene.bodies)[b.clumpId] : b;
 		const bool  line  = !isGrain(b)
@@ -28,13 +27,13 @@ namespace {
 			b.isClumpMember() ? b.clumpId : Body::ID_NONE };
 	}
 
-	bool ofOneClump(const Party& one, const Party& two)
+	bool ofOneClump(const Partner& one, const Partner& two)
 	{
 		return one.clump == two.clump && one.clump != Body::ID_NONE;
 	}
 
 	/// Returns true if YADE allows a contact and one of the bodies is movable.
-	bool couldCollide(const Scene& scene, Collider* collider, const Party& one, const Party& two)
+	bool couldCollide(const Scene& scene, Collider* collider, const Partner& one, const Partner& two)
 	{
 		return collider && one.body != two.body && !(one.immovable && two.immovable)
 		        && mayCollide(scene, *collider, one.body->getId(), two.body->getId());
@@ -66,12 +65,11 @@ namespace {
 	}
 
 	/// A body before its first step.
-	struct Placed {
-		Party            party;
+	struct PlacedBody {
+		Partner            partner;
 		rcr::PlanarShape shape;
-		// fractions of the edges of a periodic cell, 0 to 1; else coordinates
-		Vector3r         at;
-		double           halfExtent; // along the first of these axes
+		Vector3r at;         // fractions of the edges of a periodic cell, 0 to 1; else coordinates
+		double   halfExtent; // along the first of these axes
 	};
 
 	/// Pairs that overlap before their first step.
@@ -81,41 +79,40 @@ namespace {
 		{
 			if (scene_.isPeriodic) edges_ = scene_.cell->hSize;
 			const Matrix3r      inverse = edges_.inverse();
-			std::vector<Placed> grains, obstacles;
+			std::vector<PlacedBody> grains, obstacles;
 			for (const auto& b : *scene_.bodies) {
 				if (!takesPart(b)) continue;
-				Placed p { partyOf(*b, scene_), plane::shapeOf(*b->shape, *b->state, z),
+				PlacedBody p { partnerOf(*b, scene_), plane::shapeOf(*b->shape, *b->state, z),
 					inverse * b->state->pos, 0 };
 				if (scene_.isPeriodic) p.at -= Vector3r(p.at.array().floor());
 				p.halfExtent = double(inverse.row(0).norm()) * p.shape.radius();
 				if (p.shape.kind != rcr::PlanarShape::none)
 					(p.shape.grain() ? grains : obstacles).push_back(p);
 			}
-			for (const Placed& obstacle : obstacles)
-				for (const Placed& grain : grains)
+			for (const PlacedBody& obstacle : obstacles)
+				for (const PlacedBody& grain : grains)
 					check(obstacle, grain);
 			checkGrains(grains);
 		}
 
-		// number of pairs; of those with a grain on the inactive side of a wall
-		long       pairs = 0, behind = 0;
+		long       pairs = 0, behind = 0; // all; with a grain on the inactive side of a wall
 		double     depth = 0, share = 0;  // deepest overlap [m]; the same over R₁ + R₂
 		Body::id_t one = 0, two = 0;      // the deepest pair
 		Body::id_t wall = 0, grain = 0;   // the first grain behind a wall
 
 	private:
 		/// Checks all pairs of grains, sorted along the first axis; periodic cells wrap around.
-		void checkGrains(std::vector<Placed>& grains)
+		void checkGrains(std::vector<PlacedBody>& grains)
 		{
 			double largest = 0;
-			for (const Placed& p : grains)
+			for (const PlacedBody& p : grains)
 				largest = std::max(largest, p.halfExtent);
 			std::sort(grains.begin(), grains.end(),
-			        [](const Placed& a, const Placed& b) { return a.at[0] < b.at[0]; });
+			        [](const PlacedBody& a, const PlacedBody& b) { return a.at[0] < b.at[0]; });
 			const std::size_t n = grains.size();
 			for (std::size_t i = 0; i < n; ++i)
 				for (std::size_t j = i + 1; j < (scene_.isPeriodic ? i + n : n); ++j) {
-					const Placed& other = grains[j % n];
+					const PlacedBody& other = grains[j % n];
 					if (double(other.at[0] - grains[i].at[0]) + (j < n ? 0 : 1)
 					        > grains[i].halfExtent + largest)
 						break;
@@ -124,7 +121,7 @@ namespace {
 				}
 		}
 
-		void check(const Placed& a, const Placed& b)
+		void check(const PlacedBody& a, const PlacedBody& b)
 		{
 			Vector3r apart = b.at - a.at;
 			// the nearest image
@@ -134,24 +131,23 @@ namespace {
 			const double    most = a.shape.radius() + b.shape.radius();
 			const bool      isWall = a.shape.kind == rcr::PlanarShape::wall;
 			if (!isWall && dot(way, way) > most * most) return;
-			if (!couldCollide(scene_, collider_, a.party, b.party)) return;
+			if (!couldCollide(scene_, collider_, a.partner, b.partner)) return;
 			const rcr::Manifold m = rcr::contactPoints(a.shape,
-			        { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
-			        { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() },
+			        { from, plane::turnOf(a.shape, *a.partner.body->state).axis() }, b.shape,
+			        { from + way, plane::turnOf(b.shape, *b.partner.body->state).axis() },
 			        isWall ? std::numeric_limits<double>::max() : 0); // also far behind it
 			const double deepest = m.deepest();
 			const double part    = deepest / rcr::contactSize(a.shape, b.shape);
 			if (part <= deepOverlap) return;
 			const shared_ptr<Interaction> known
-			        = scene_.interactions->find(a.party.body->getId(), b.party.body->getId());
+			        = scene_.interactions->find(a.partner.body->getId(), b.partner.body->getId());
 			if (known && known->isReal()) return;
 			++pairs;
-			if (isBehind(*a.party.body, way) && behind++ == 0)
-				wall = a.party.body->getId(), grain = b.party.body->getId();
+			if (isBehind(*a.partner.body, way) && behind++ == 0)
+				wall = a.partner.body->getId(), grain = b.partner.body->getId();
 			if (part <= share) return;
 			depth = deepest, share = part;
-			one = std::min(a.party.body->getId(), b.party.body->getId()),
-			two = std::max(a.party.body->getId(), b.party.body->getId());
+			std::tie(one, two) = std::minmax({ a.partner.body->getId(), b.partner.body->getId() });
 		}
 
 		static bool isBehind(const Body& obstacle, rcr::Vec2 way)
@@ -171,13 +167,13 @@ std::string unsupportedPairs(const View& v)
 {
 	if (!v.loop) return {};
 	// two bodies of each kind, not of one clump, represent all
-	std::map<std::tuple<int, bool, mask_t>, std::vector<Party>> kinds;
+	std::map<std::tuple<int, bool, mask_t>, std::vector<Partner>> kinds;
 	for (const auto& b : *v.scene.bodies) {
 		if (!takesPart(b)) continue;
-		const Party party = partyOf(*b, v.scene);
-		auto&       some  = kinds[{ b->shape->getClassIndex(), party.immovable, b->groupMask }];
-		if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), party)))
-			some.push_back(party);
+		const Partner partner = partnerOf(*b, v.scene);
+		auto&       some  = kinds[{ b->shape->getClassIndex(), partner.immovable, b->groupMask }];
+		if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), partner)))
+			some.push_back(partner);
 	}
 	std::string           pairs, functors;
 	std::set<std::string> reported;
@@ -193,8 +189,8 @@ std::string unsupportedPairs(const View& v)
 	};
 	for (auto kind = kinds.begin(); kind != kinds.end(); ++kind)
 		for (auto other = kind; other != kinds.end(); ++other)
-			for (const Party& one : kind->second)
-				for (const Party& two : other->second)
+			for (const Partner& one : kind->second)
+				for (const Partner& two : other->second)
 					if (couldCollide(v.scene, v.first<Collider>(), one, two))
 						report(*one.body, *two.body);
 	if (pairs.empty()) return {};
@@ -207,7 +203,7 @@ std::string unsupportedPairs(const View& v)
 void checkSupported(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	const Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
-	if (partyOf(one, scene).immovable && partyOf(two, scene).immovable) return;
+	if (partnerOf(one, scene).immovable && partnerOf(two, scene).immovable) return;
 	const std::string functor = functorFor(one.shape->getClassName(), two.shape->getClassName());
 	refuse("no Ig2 functor of the InteractionLoop handles ", shapesOf(one, two),
 	        ", so they would pass through each other. ",

@@ -19,9 +19,9 @@ namespace {
 	template <class Kind> std::string twice(const View& v, const char* name)
 	{
 		const int count = v.count<Kind>();
-		return count < 2 ? std::string()
-		                 : "O.engines holds " + std::to_string(count) + " of " + name
-		                + "; expected one: remove the others.";
+		if (count < 2) return {};
+		return "O.engines holds " + std::to_string(count) + " of " + name
+		        + "; expected one: remove the others.";
 	}
 
 	template <class Before, class After> std::string order(const View& v, const char* text)

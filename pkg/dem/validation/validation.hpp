@@ -35,11 +35,8 @@ inline std::string text(Real value, int digits = 12)
 	return out.str();
 }
 
-/// "(x, y, z)"
-std::string coordinates(const Vector3r&);
-
-/// "body #1", "bodies #1 and #2"; empty without ids.
-std::string bodyNames(const std::vector<Body::id_t>& ids);
+std::string coordinates(const Vector3r&);                  // "(x, y, z)"
+std::string bodyNames(const std::vector<Body::id_t>& ids); // "body #1", "bodies #1 and #2"
 
 /// Throws std::invalid_argument with all parts as one text.
 template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
@@ -69,8 +66,7 @@ void relistPairs(Scene&);
 /// Message if rigid contacts have no active ContactDynamics; else empty.
 std::string missingSolver(const Scene&);
 
-/// Returns true if the scene has a law of rcr.
-bool usesRcrClasses(const Scene&);
+bool usesRcrClasses(const Scene&); // a law of rcr
 
 /// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs;
 /// bodies that overlap by more than 1 % of R₁ + R₂ before their first step.
@@ -94,10 +90,8 @@ struct View;
 /// Validates the scene when its engines, their functors or its number of bodies changed.
 class Validator {
 public:
-	/// Throws the message of sceneError if the scene is invalid.
-	Engines validate(const Scene&);
-	/// Records number and time of the next step, after a step of ContactDynamics.
-	void    recordNextStep(const Scene&);
+	Engines validate(const Scene&);       // throws the message of sceneError
+	void    recordNextStep(const Scene&); // call it after a step of ContactDynamics
 
 private:
 	void checkTimeStep(const View&);
@@ -118,11 +112,8 @@ bool requireFrictMat(const Scene&, Body::id_t id1, Body::id_t id2);
 /// ContactDynamics, to Python.
 bool acceptContact(const Interaction&, const Scene&);
 
-/// Returns true if the body is an Rcr or a disc.
-bool isGrain(const Body&);
-
-/// Height z of the plane of the grains; NaN without grains.
-Real planeOf(const Scene&);
+bool isGrain(const Body&);  // an Rcr or a disc
+Real planeOf(const Scene&); // height z of the grains; NaN without grains
 
 /// Message about an invalid position, velocity, mass or blocked degree of freedom of a body; empty:
 /// all are valid. The `shape` of a clump is none.
@@ -130,7 +121,6 @@ std::string bodyError(const Body&, const rcr::PlanarShape& shape, Real z);
 
 /// Throws if no Ig2 functor handles a pair of bodies that could overlap.
 void checkSupported(const Scene&, Body::id_t id1, Body::id_t id2);
-
 /// Throws if friction or restitution of a contact are invalid.
 void checkPhys(const CdPhys&, Body::id_t id1, Body::id_t id2);
 

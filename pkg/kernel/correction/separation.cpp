@@ -79,7 +79,6 @@ namespace {
 			}
 		}
 
-		/// Returns true if the motion of both bodies is prescribed.
 		bool isPrescribed(const StepContact& c) const
 		{
 			const auto prescribed

@@ -22,7 +22,6 @@ namespace {
 
 	constexpr double relaxation = 1.3; // [-], as for problems with bodies
 
-	/// Gauss–Seidel sweeps over the contact points of a problem.
 	class Sweeps {
 	public:
 		explicit Sweeps(DelassusProblem& problem)

@@ -12,9 +12,11 @@ constexpr int    bodiesPerPart = 256;
 constexpr int    mostCellsPerGrain = 4;
 
 /// Largest displacement of a point of the surface of a body [m].
-static double displacement(
-        const PlanarShape& before, const Pose& from, const PlanarShape& now, const Pose& to)
+double Neighbors::displacement(const Reference& at, const StepBody& body)
 {
+	const PlanarShape &before = at.shape, &now = body.shape;
+	const Pose&        from   = at.pose;
+	const Pose         to     = body.pose();
 	if (now.kind == PlanarShape::wall)
 		return now.axis == 0 ? std::abs(to.center.x - from.center.x)
 		                     : std::abs(to.center.y - from.center.y);
@@ -67,9 +69,7 @@ bool Neighbors::findMovedBodies(const Step& step, ThreadTeam& team)
 		        || body.shape.halfWidth != at.shape.halfWidth)
 			same.store(false, std::memory_order_relaxed);
 		else
-			isMoved_[id] = displacement(at.shape, at.pose, body.shape, body.pose())
-			                + body.alertDistance - at.alertDistance
-			        > margin_;
+			isMoved_[id] = displacement(at, body) + body.alertDistance - at.alertDistance > margin_;
 	});
 	if (!same) return false;
 	for (std::size_t id = 0; id < isMoved_.size(); ++id)
@@ -262,11 +262,10 @@ void Neighbors::repair(const Step& step, ThreadTeam& team)
 		if (!isWide_[id]) wide_.push_back(id);
 		isWide_[id] = true;
 	}
-	list_.erase(std::remove_if(list_.begin(), list_.end(),
-	                    [&](const auto& pair) {
-		                    return isMoved_[pair.first] || isMoved_[pair.second];
-	                    }),
-	        list_.end());
+	const auto moved = [&](const auto& pair) {
+		return isMoved_[pair.first] || isMoved_[pair.second];
+	};
+	list_.erase(std::remove_if(list_.begin(), list_.end(), moved), list_.end());
 	searchAround(moved_, team);
 }
 

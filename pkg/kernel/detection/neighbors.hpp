@@ -42,6 +42,7 @@ private:
 		Vec2 low, high;
 	};
 
+	static double displacement(const Reference&, const StepBody&);
 	void  find(const Step&, ThreadTeam&);
 	void  repair(const Step&, ThreadTeam&);
 	bool  findMovedBodies(const Step&, ThreadTeam&);

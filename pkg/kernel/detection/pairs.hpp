@@ -9,15 +9,13 @@ namespace rcr {
 
 struct Pair {
 	std::int32_t body1 = 0, body2 = 0;
-	std::int32_t points   = 0;     // contact points; 0: no contact
-	std::int32_t interactionIndex = -1; // number of the contact in the simulation; −1: none
-	bool         isNew    = false; // its friction and restitution are not set yet
-	// iteration in which the contact formed; −1: it is stored in the simulation
-	long         formedAt = -1;
+	std::int32_t points           = 0;     // contact points; 0: no contact
+	std::int32_t interactionIndex = -1;    // number of the contact in the simulation; −1: none
+	bool         isNew            = false; // its friction and restitution are not set yet
+	long         formedAt = -1; // iteration of its first step; −1: stored in the simulation
 	double       friction = 0, restitution = 0;
-	// positionAlong of each point [m]
-	double       along[2] {};
-	Impulse      force[2];         // of each point [N]
+	double       along[2] {}; // positionAlong of each point [m]
+	Impulse      force[2];    // of each point [N]
 };
 
 struct Pairs {
@@ -32,17 +30,10 @@ struct Pairs {
 	/// forward. `keepContacts`: contacts beyond the present reach remain.
 	void detect(const Step&, ThreadTeam&, bool keepContacts = false);
 
-	/// Adds the contacts that the step has added (Step::added).
-	void addDetected(const Step&, long iteration);
-
-	/// Sets StepContact::listIndex of the contacts to the numbers of their pairs.
-	void numberContacts(Step&) const;
-
-	/// Sets the contacts of the step and the forces from which they start.
-	void writeContacts(Step&, ThreadTeam&) const;
-
-	/// Stores the forces of a solved step.
-	void keepForces(const Step&, ThreadTeam&);
+	void addDetected(const Step&, long iteration); // adds the contacts of Step::added
+	void numberContacts(Step&) const;              // sets StepContact::listIndex
+	void writeContacts(Step&, ThreadTeam&) const;  // contacts with the forces that they start from
+	void keepForces(const Step&, ThreadTeam&);     // of a solved step
 };
 
 } // namespace rcr

@@ -6,14 +6,9 @@ namespace rcr {
 
 namespace {
 
-	/// Rank-one updates between two factorisations. Both then cost about the same.
-	constexpr std::size_t maxUpdates = 20;
-
-	/// Least energy of an unstable contact over the largest [-].
-	constexpr double minEnergyShare = 0.1;
-
-	/// Relative distance to the boundary of the cone that counts as zero [-].
-	constexpr double edgeTolerance = 1e-13;
+	constexpr std::size_t maxUpdates = 20; // between two factorisations; both cost about the same
+	constexpr double      minEnergyShare = 0.1; // least energy of an unstable contact [-]
+	constexpr double      edgeTolerance = 1e-13; // distance to the cone that counts as zero [-]
 
 	/// The change of a contact's piece: K += column rowᵀ, in (n, t).
 	struct RankOne {

@@ -45,7 +45,7 @@ struct PlanarShape {
 	}
 
 	/// Circumscribed radius of a grain [m]; 0 for an obstacle.
-	double contactRadius() const { return grain() ? halfLength + halfWidth : 0; }
+	double contactRadius() const { return grain() ? radius() : 0; }
 };
 
 /// Half widths of the axis-aligned bounding box [m]. A wall is infinite along its line.
@@ -59,7 +59,6 @@ inline Vec2 halfExtent(const PlanarShape& s, Vec2 axis)
 		     std::abs(axis.y) * s.halfLength + std::abs(axis.x) * s.halfWidth };
 }
 
-/// Midpoint and direction of a segment.
 inline Pose segmentPose(const PlanarShape& segment, const Pose& body)
 {
 	const auto rotated = [&](Vec2 v) { return v.x * body.axis + v.y * perp(body.axis); };

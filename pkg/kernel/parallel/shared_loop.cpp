@@ -9,9 +9,8 @@ namespace rcr {
 namespace {
 
 	using namespace std::chrono_literals;
-	/// Spins of a waiting thread before it yields its core, about a microsecond.
-	constexpr int maxSpins = 100;
-	/// Waiting time of a helper between two loops. Few serial parts of a step last longer.
+	constexpr int maxSpins = 100; // of a waiting thread before it yields its core, about 1 µs
+	// waiting time of a helper between two loops; few serial parts of a step last longer
 	constexpr auto helperPatience = 5ms;
 	/// Waiting time of the leader after its own work. One index takes less, so a helper that needs
 	/// longer has lost its core.

@@ -8,9 +8,8 @@ using namespace std::chrono_literals;
 
 /// Time that the leader works alone after a stall, over the length of the stall. Stalls cost at
 /// most a tenth of the run time.
-constexpr int aloneFactor = 10;
-/// Upper bound of this time.
-constexpr auto maxAlone = 400ms;
+constexpr int  aloneFactor = 10;
+constexpr auto maxAlone    = 400ms; // upper bound of this time
 
 void ThreadTeam::begin(int threads)
 {

@@ -6,27 +6,18 @@
 
 namespace rcr {
 
-/// Residual below which exact steps are faster than sweeps with friction [-].
-constexpr double finestForSweeps = 1e-6;
-/// Least number of sweeps without a new lowest residual before exact steps start.
-constexpr int leastPatience = 300;
-/// Exact iterations whose cost equals the patience of the sweeps.
-constexpr int exactIterations = 10;
-/// Sweeps of a later pass of a step that has yielded.
-constexpr int sweepsAfterYield = 50;
-/// Points of a small problem. Its exact steps cost no more than some hundred sweeps.
-constexpr int smallProblem = 1000;
-/// Cost of an exact iteration of a small problem, in sweeps; larger problems pay more.
-constexpr int sweepsPerExact = 20;
-/// Least maxIterations for a test of divergence. Shorter passes run ten sweeps, too few for it.
-constexpr int minIterationsToProbe = 20;
-/// Sweeps from zero for a step whose impulses have positive cost. A few remove most of the
-/// cost.
-constexpr int sweepsFromZero = 100;
-/// Factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift.
-constexpr double fineFloor = 1e-3;
-/// Upper bound of exact iterations × points for this finer floor.
-constexpr int maxFineWork = 15000;
+constexpr double finestForSweeps = 1e-6; // residual below which exact steps are faster [-]
+constexpr int    leastPatience = 300; // least sweeps without a new lowest residual to exact steps
+constexpr int    exactIterations = 10; // exact iterations that cost as much as this patience
+constexpr int    sweepsAfterYield = 50; // sweeps of a later pass of a step that has yielded
+constexpr int    smallProblem = 1000; // points; exact steps cost at most some hundred sweeps
+constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
+// least maxIterations for a test of divergence; shorter passes run ten sweeps, too few for it
+constexpr int    minIterationsToProbe = 20;
+constexpr int    sweepsFromZero = 100; // for impulses of positive cost; a few remove most of it
+// factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift
+constexpr double fineFloor   = 1e-3;
+constexpr int    maxFineWork = 15000; // most exact iterations × points for this finer floor
 
 static bool frictionless(const ContactProblem& problem)
 {
@@ -70,11 +61,10 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
         Workspace& workspace)
 {
 	if (settings.yielding.compliance == 0) return false;
-	if (report.yielded) return true;
-	if (exceedsYieldImpulse(problem, settings)) return true;
-	if (closesBlockedContact(problem, settings.roundingVelocity)) return true;
-	if (mayExceedEnergyBound(problem, report.dissipated, report.freeSpeed)
-	    && exceedsEnergyBound(problem))
+	if (report.yielded || exceedsYieldImpulse(problem, settings)
+	        || closesBlockedContact(problem, settings.roundingVelocity)
+	        || (mayExceedEnergyBound(problem, report.dissipated, report.freeSpeed)
+	                && exceedsEnergyBound(problem)))
 		return true;
 	if (report.converged || settings.tolerance == 0) return false;
 	if (settings.yieldedBefore) return true;

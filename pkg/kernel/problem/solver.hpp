@@ -78,17 +78,11 @@ struct Report {
 	/// ‖Δp‖ over the last probeSweeps sweeps, relative to ‖p‖ [-]; infinity if not measured.
 	double impulseGrowth = std::numeric_limits<double>::infinity();
 
-	/// Returns true if the residual meets the tolerance. Tolerance 0 is never met.
-	bool meetsResidual(const Settings& settings) const
-	{
-		return settings.tolerance > 0 && residual <= settings.tolerance;
-	}
+	/// Returns true if the residual meets its tolerance. Tolerance 0 is never met.
+	bool meetsResidual(const Settings& s) const { return s.accept(residual, 0); }
 
 	/// Returns true if residual and kinematic error meet their tolerances.
-	bool meetsTolerances(const Settings& settings) const
-	{
-		return settings.accept(residual, kinematicError);
-	}
+	bool meetsTolerances(const Settings& s) const { return s.accept(residual, kinematicError); }
 
 	/// This report with the iterations and the work of an earlier solver added.
 	Report after(const Report& before) const

@@ -7,10 +7,9 @@ namespace rcr {
 
 bool restIsSolution(const Step& step, double driveSpeed)
 {
-	const std::vector<ContactPoint>& points = step.problem.points;
-	return driveSpeed == 0
-	        && std::all_of(points.begin(), points.end(),
-	                [](const ContactPoint& point) { return point.bias >= 0; });
+	const auto& points = step.problem.points;
+	const auto  rests  = [](const ContactPoint& point) { return point.bias >= 0; };
+	return driveSpeed == 0 && std::all_of(points.begin(), points.end(), rests);
 }
 
 bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double tolerance,

@@ -28,9 +28,8 @@ namespace {
 	{
 		double moment = 0, inertia = 0;
 		forEachFree(step, axis, [&](std::size_t id, double r, double mass) {
-			moment += mass * r
-			        * (step.problem.velocity[id].*axis.speed
-			                - step.bodies[id].velocity.*axis.speed);
+			const Twist change = step.problem.velocity[id] - step.bodies[id].velocity;
+			moment += mass * r * change.*axis.speed;
 			inertia += mass * r * r;
 		});
 		return inertia > 0 ? moment / inertia : 0;

@@ -2,8 +2,9 @@
 //
 // pkg/README.md lists the stages. Those between gather and scatter change these arrays alone, so an
 // error in them changes nothing in the simulation. They call the simulation only to filter new
-// contacts and to obtain their friction and restitution. Bodies have the same numbers as in the simulation. A contact stores these numbers. A
-// point stores the bodies that its impulse moves, for a clump member its clump.
+// contacts and to obtain their friction and restitution. Bodies have the same numbers as in the
+// simulation. A contact stores these numbers. A point stores the bodies that its impulse moves, for
+// a clump member its clump.
 //
 // | symbol | field         | unit | meaning                                               |
 // |--------|---------------|------|-------------------------------------------------------|
@@ -37,7 +38,6 @@ struct Turn {
 	Vec2 axis() const { return { 1 - 2 * z * z, 2 * w * z }; }
 };
 
-/// Scales the quaternion to length 1.
 inline Turn normalized(const Turn& t)
 {
 	const double length = std::sqrt(t.z * t.z + t.w * t.w);
@@ -86,8 +86,7 @@ struct StepContact {
 	std::int32_t listIndex   = -1;
 	double       friction = 0, restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
-	// shift of the image of body 2 [m], and its velocity relative to body 2 [m/s]
-	Vec2         shift, drift;
+	Vec2         shift, drift; // of the image of body 2 [m], and its relative velocity [m/s]
 
 	double slop() const { return contactSlop * size; }
 };
@@ -113,7 +112,6 @@ inline constexpr auto precedes = [](const auto& a, const auto& b) {
 	return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2;
 };
 
-/// Product of a matrix and a vector.
 inline Vec2 product(const double (&m)[2][2], Vec2 v)
 {
 	return { m[0][0] * v.x + m[0][1] * v.y, m[1][0] * v.x + m[1][1] * v.y };
@@ -143,11 +141,11 @@ struct PeriodicCell {
 		const Vec2 cells = product(inverse, from1To2);
 		return product(h, { -std::round(cells.x), -std::round(cells.y) });
 	}
+	double area() const { return std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]); }
 	/// Smaller height of the cell: lower bound of the distance of two images of a body [m].
 	double smallestHeight() const
 	{
-		const double area = std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]);
-		return area / std::max(std::hypot(h[0][0], h[1][0]), std::hypot(h[0][1], h[1][1]));
+		return area() / std::max(std::hypot(h[0][0], h[1][0]), std::hypot(h[0][1], h[1][1]));
 	}
 	/// Velocity of an image relative to its body [m/s].
 	Vec2 drift(Vec2 shift) const { return product(gradient, shift); }
@@ -171,21 +169,18 @@ struct Step {
 	Flow                      startFlow;
 	PeriodicCell              cell;
 	std::vector<StepBody>     bodies;
-	std::vector<std::int32_t> members;  // clump members
-	std::vector<StepContact>  contacts; // sorted by body1, then body2
-	// per body: its first contact as body 1; one more entry: the end
-	std::vector<std::int32_t> firstContact;
-	std::vector<Gap>          gap;      // per point
+	std::vector<std::int32_t> members;      // clump members
+	std::vector<StepContact>  contacts;     // sorted by body1, then body2
+	std::vector<std::int32_t> firstContact; // as body 1, per body; one more entry: the end
+	std::vector<Gap>          gap;          // per point
 	ContactProblem            problem;
-	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
-	// per body: widened alert distance [m]; 0: not widened
-	std::vector<double>       widenedReach;
+	std::vector<Impulse>      force;        // per point [N]: start of the solver, then its result
+	std::vector<double>       widenedReach; // per body: widened alert distance [m]; 0: none
 	// bodies whose reach was widened since contacts were last added; empty before the first solve
 	std::vector<std::int32_t> widened;
-	std::vector<DetectedContact> detected; // contacts that may be added to the step
-	std::vector<DetectedContact> added;    // contacts that were added to the step
-	std::vector<Twist>        displacement; // per body: position correction [m, rad]; empty: none
-	Vec2                      strain;       // of the cell, from the position correction [-]
+	std::vector<DetectedContact> detected, added; // contacts that may be added, that were added
+	std::vector<Twist> displacement; // per body: position correction [m, rad]; empty: none
+	Vec2               strain;       // of the cell, from the position correction [-]
 
 	/// Point k of a contact as it was detected.
 	ManifoldPoint point(const StepContact& c, int k) const
@@ -213,17 +208,10 @@ struct Step {
 	/// Sets the points of a contact and the forces from which the solver starts.
 	void setPoints(const StepContact&, const Manifold&, const Impulse* force);
 
-	/// Computes firstContact.
-	void indexContacts();
-
-	/// Contact of two bodies; null: none.
-	const StepContact* find(int body1, int body2) const;
-
-	/// Rounding error of the velocities of a step [m/s].
-	double roundingVelocity(ThreadTeam&) const;
-
-	/// Sets the forces of the points from the impulses.
-	void keepForces(ThreadTeam&);
+	void               indexContacts();                  // computes firstContact
+	const StepContact* find(int body1, int body2) const; // null: no contact
+	double roundingVelocity(ThreadTeam&) const; // rounding error of the velocities [m/s]
+	void   keepForces(ThreadTeam&);             // computes them from the impulses
 
 	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before
 	/// it [1/s].

@@ -8,8 +8,7 @@
 
 namespace rcr {
 
-/// A new reference takes as long as four sweeps. With 1000, the residual is the same.
-constexpr int sweepsPerReference = 400;
+constexpr int sweepsPerReference = 400; // a new reference takes as long as four sweeps
 
 // ---- points of the overflow
 

@@ -4,8 +4,7 @@
 
 namespace rcr {
 
-/// Radius of gyration of a body that cannot turn [m]. Large, but its square is finite.
-constexpr double blockedGyration = 1e30;
+constexpr double blockedGyration = 1e30; // of a body that cannot turn [m]; its square is finite
 
 static double inverseGyration(const InverseMass& m)
 {

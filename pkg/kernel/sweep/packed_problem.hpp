@@ -52,8 +52,7 @@ public:
 
 	/// Stretch rate of the cell that the impulses cause [1/s].
 	Vec2 stretchRate() const { return stretchRate_; }
-	/// The model of the last problem.
-	const ModelSummary& summary() const { return summary_; }
+	const ModelSummary& summary() const { return summary_; } // of the last problem
 	/// Time of all layouts so far, checks included [s].
 	double layoutSeconds() const { return layoutSeconds_; }
 

@@ -4,8 +4,7 @@
 
 namespace rcr {
 
-/// Saves a third of the sweeps in dense packings; 1.6 cycles.
-constexpr double relaxation = 1.3; // [-]
+constexpr double relaxation = 1.3; // saves a third of the sweeps in dense packings; 1.6 cycles [-]
 
 Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {

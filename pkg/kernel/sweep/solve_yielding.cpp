@@ -22,8 +22,7 @@
 
 namespace rcr {
 
-/// A solved island stays rigid if it dissipates less than this share of all contacts [-].
-constexpr double negligible = 0.01;
+constexpr double negligible = 0.01; // share of dissipation below which a solved island stays rigid
 
 /// Returns true if the bodies of the point can only turn about one axis, or not move at all.
 static bool isSingular(const Delassus& w)

@@ -10,8 +10,7 @@ ThreadTeam&         Workspace::team() { return packed_->team; }
 const ModelSummary& Workspace::summary() const { return packed_->summary(); }
 double              Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
 
-/// Least residual in floats, which round impulses to 6e-8.
-constexpr double minSingleResidual = 1e-6;
+constexpr double minSingleResidual = 1e-6; // least residual in floats, which round to 6e-8
 
 static Criteria criteriaOf(
         const Measures& m, double freeVelocity2, int points, const Settings& settings)

@@ -19,10 +19,6 @@
 
 #include <cstdint>
 
-#ifndef RCR_LANE_NAMESPACE
-#define RCR_LANE_NAMESPACE lanes
-#endif
-
 namespace rcr::RCR_LANE_NAMESPACE {
 
 #ifdef RCR_SINGLE

@@ -11,11 +11,11 @@
 // Without friction, p_n = n₀.
 #pragma once
 
-#include "sweep/lane/components.hpp"
 #include "sweep/lane/lane_records.hpp"
 
 namespace rcr::RCR_LANE_NAMESPACE {
 
+using L = Lane<RCR_LANES>;
 using B = Bodies<RCR_LANES>;
 using P = Places<RCR_LANES>;
 
@@ -31,6 +31,43 @@ using PackedView              = PackedViewOf<Real>;
 constexpr bool relativeToReference = sizeof(Real) < sizeof(double);
 
 inline L square(L a) { return a * a; }
+
+/// Components at RCR_LANES points.
+struct Vector {
+	L n, t;
+
+	friend Vector operator+(Vector a, Vector b) { return { a.n + b.n, a.t + b.t }; }
+	friend Vector operator-(Vector a, Vector b) { return { a.n - b.n, a.t - b.t }; }
+	friend Vector operator*(L s, Vector a) { return { s * a.n, s * a.t }; }
+	friend Vector addProduct(Vector a, L s, Vector b)
+	{
+		return { addProduct(a.n, s, b.n), addProduct(a.t, s, b.t) };
+	}
+	friend L square(Vector a) { return addProduct(a.n * a.n, a.t, a.t); }
+};
+
+/// Projects onto the cone |t| ≤ µ n (problem/coulomb.hpp).
+inline Vector projectCone(const Vector& p, L friction)
+{
+	const L    size = abs(p.t), n = (p.n + friction * size) / (L(1.0) + friction * friction);
+	const auto inside = size <= friction * p.n, polar = friction * size <= L(0.0) - p.n;
+	return { zeroWhere(polar, select(inside, p.n, n)),
+		zeroWhere(polar, select(inside, p.t, copySign(friction * n, p.t))) };
+}
+
+/// One sum per slot: the order of additions does not depend on the lane width.
+struct Sum {
+	alignas(64) Real slot[blockWidth] = {};
+
+	void add(int lane, L value) { (L::load(slot + lane) + value).store(slot + lane); }
+	double total() const
+	{
+		double sum = 0;
+		for (Real part : slot)
+			sum += part;
+		return sum;
+	}
+};
 
 // Quantities that a cheaper model does not store are zero.
 inline L lever1n(const PointColumns&, int) { return 0.0; }

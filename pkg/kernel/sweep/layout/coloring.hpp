@@ -14,7 +14,7 @@ public:
 
 	explicit Coloring(std::size_t bodies = 0) : used_(bodies) { }
 
-	/// Frees all colours of a body for pairs that are swept at another time.
+	/// Frees all colours of a body, for pairs that are swept at another time.
 	void free(int body) { used_[body] = 0; }
 
 	/// Returns the colour of a pair, or none. `limits1`, `limits2`: false for a prescribed body,

@@ -13,8 +13,7 @@ namespace {
 	constexpr int maxPartitions  = 16;   // of an island
 	constexpr int sectionInterfaces = 4; // a smaller number would leave too many slots empty
 	constexpr int minModelShare     = 4; // a model needs 1/4 of the pairs of an island
-
-	/// Lever over arm [-] that counts as zero: rounding of positions far from the origin.
+	// lever over arm [-] that counts as zero: rounding of positions far from the origin
 	constexpr double leverTolerance = 1e-10;
 
 	BodyKind kindOf(const InverseMass& m)
