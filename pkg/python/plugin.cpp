@@ -60,7 +60,8 @@ py::list advice()
 	const yade::Scene&  scene = *yade::Omega::instance().getScene();
 	py::list warnings;
 	for (const std::string& text :
-	        { yade::validation::massWarning(scene), yade::validation::overlapWarning(scene) })
+	        { yade::validation::massWarning(scene), yade::validation::overlapWarning(scene),
+	                yade::validation::dragWarning(scene) })
 		if (!text.empty()) warnings.append(text);
 	return warnings;
 }

@@ -58,6 +58,8 @@ class Frame:
         Velocities of the edges [m/s]: differences of velocity between a grain and its images.
     centers : (N, 2) array
         Centre of mass of each grain or its clump at the time of the forces [m].
+    change : str
+        What a script has changed since the last step, so that `centers` are wrong; empty: nothing.
     """
 
     grains: dict
@@ -68,6 +70,7 @@ class Frame:
     time: float = math.nan
     cell_velocity: np.ndarray = None
     centers: np.ndarray = None
+    change: str = ""
 
     @classmethod
     def of(cls, what=None):
@@ -183,6 +186,16 @@ class Frame:
         """Return the sum of contact values (C,) over the contacts of each grain, (N,)."""
         return grain_sums.contact_sums(self.grains, self.contacts, values)
 
+    def check_unchanged(self):
+        """Raise ValueError if a script has changed O.dt or a velocity since the last step.
+
+        They give the positions at which the forces acted.
+        """
+        if self.change:
+            raise ValueError(
+                f"{self.change} in the last step, which gives the positions of its forces; take "
+                "networks, profiles and stresses before you change it, or after a further step")
+
     def stress_tensors(self):
         """Return the mean stress in each grain from the moments of its contact forces.
 
@@ -194,7 +207,13 @@ class Frame:
         -------
         (N, 2, 2) float array
             Compression positive [Pa].
+
+        Raises
+        ------
+        ValueError
+            See `check_unchanged`.
         """
+        self.check_unchanged()
         return grain_sums.stress_tensors(self.grains, self.contacts)
 
     def wrap(self, points):

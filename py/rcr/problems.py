@@ -33,6 +33,9 @@ __all__ = ["BodyProblem", "DelassusProblem", "Solution", "load", "result_suffix"
            "save_fclib", "solve"]  # fmt: skip
 
 
+_SLOWEST = 1e-100  # [m/s]
+
+
 @dataclass
 class Solution:
     """Result of `solve`."""
@@ -41,7 +44,7 @@ class Solution:
     contacts: int
     iterations: int
     residual: float  # natural map, relative [-]
-    converged: bool  # residual within the tolerance; no point closes that none can open
+    converged: bool  # residual within the tolerance, and no sign that the problem has no solution
     seconds: float  # of the solver alone
     reaction: np.ndarray  # (nc, 2) impulses, local (n, t)
     velocity: np.ndarray  # (nc, 2) without b_n for a BodyProblem, else u = W p + q; local (n, t)
@@ -108,8 +111,14 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     settings = dict(solver=solver, tolerance=tolerance, max_iterations=sweeps)
     if not isinstance(problem, (BodyProblem, DelassusProblem)):
         problem = load(problem)
+    bodies = isinstance(problem, BodyProblem)
+    given = (problem.free_velocity, problem.bias) if bodies else (problem.q,)
+    fastest = max(abs(velocity).max(initial=0) for velocity in given)
+    if 0 < fastest < _SLOWEST:
+        raise ValueError(f"the largest velocity is {fastest:g}; expected at least {_SLOWEST:g}, "
+                         "since squares of smaller numbers vanish: choose other units")
     start = problem.impulse if warm else np.zeros((problem.contacts, 2))
-    if isinstance(problem, BodyProblem):
+    if bodies:
         order = problem.order()
         arguments = problem.arrays() | dict(impulse=start[order])
         found = _kernel.solve(**arguments, **settings, kinematic_tolerance=np.inf)

@@ -86,9 +86,11 @@ class Profile:
         Raises
         ------
         ValueError
-            If there is no grain, or the first edge of the periodic cell is not along x.
+            If there is no grain, the first edge of the periodic cell is not along x, or O.dt or a
+            velocity has changed since the last step.
         """
         frame = Frame.of(what)
+        frame.check_unchanged()
         if frame.cell is not None and frame.cell[1, 0] != 0:
             given = "the first edge of the periodic cell is ({:g}, {:g})".format(*frame.cell[:, 0])
             raise ValueError(f"{given}; expected one along x, as the grid's")

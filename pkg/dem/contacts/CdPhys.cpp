@@ -14,7 +14,15 @@ void Ip2_FrictMat_FrictMat_CdPhys::go(const shared_ptr<Material>& material1,
 	                    ? (*frictAngle)(one.id, two.id, one.frictionAngle, two.frictionAngle)
 	                    : math::min(one.frictionAngle, two.frictionAngle);
 	phys->tangensOfFrictionAngle = math::tan(angle);
-	if (restitution) phys->restitution = (*restitution)(one.id, two.id, 0, 0);
+	if (restitution) {
+		// materials have no restitution, of which a MatchMaker could take a mean
+		constexpr Real none = std::numeric_limits<double>::quiet_NaN();
+		try {
+			phys->restitution = (*restitution)(one.id, two.id, none, none);
+		} catch (const std::invalid_argument&) {
+			phys->restitution = none; // checkPhys refuses it outside of the parallel loop
+		}
+	}
 	interaction->phys = phys;
 }
 

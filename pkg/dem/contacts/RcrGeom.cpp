@@ -48,8 +48,11 @@ bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Sh
 		        plane::turnOf(two, state2).axis() };
 	rcr::Manifold manifold;
 	if (rcr::canTouch(one.kind, two.kind)) {
-		const auto alert = [&](const rcr::PlanarShape& shape, const State& s) {
-			return rcr::alertDistance(shape, plane::twistOf(s), double(scene->dt));
+		const bool   image = shift2 != Vector3r::Zero();
+		const double speed = image ? plane::cellOf(*scene).imageSpeed : 0, dt = double(scene->dt);
+		const auto   alert = [&](const rcr::PlanarShape& shape, const State& s) {
+			return rcr::alertDistance(shape, plane::twistOf(s), dt)
+			        + (image ? rcr::imageReach(shape, speed, dt) : 0);
 		};
 		const double maxGap = force ? std::numeric_limits<double>::max()
 		                            : alert(one, state1) + alert(two, state2);

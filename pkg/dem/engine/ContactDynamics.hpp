@@ -35,6 +35,7 @@ public:
 	std::string attributeError() const; // message about the first invalid attribute; empty: none
 	// Python interface. Locks guard what a script may access during a run.
 	boost::python::dict        problemDict() const;
+	std::string                changeSinceStep() const;
 	boost::python::object      tuning() const;
 	void                       setTuning(const boost::python::object&);
 	static boost::python::list visibleNames(const boost::python::object& self);
@@ -100,6 +101,7 @@ public:
 		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. With observeEvery > 0 the last entry of observations also starts a new mean. docs/solvers.md has an example.")
 		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
 		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for rcr.scene.save_problem.")
+		.def("_change_since_step",&ContactDynamics::changeSinceStep,"What a script changed since the last step, so that pos − O.dt vel is not the position at its beginning; empty: nothing.")
 		.def("__dir__",&ContactDynamics::visibleNames)
 	);
 	// clang-format on

@@ -59,4 +59,29 @@ rcr::PlanarShape shapeOf(const Shape& shape, const State& state, Real z)
 	return planar;
 }
 
+Matrix3r nextGradient(const Cell& cell)
+{
+	return cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad
+	                                                                   : cell.velGrad;
+}
+
+rcr::PeriodicCell cellOf(const Scene& scene)
+{
+	rcr::PeriodicCell cell;
+	if (!scene.isPeriodic) return cell;
+	cell.periodic           = true;
+	const Matrix3r& h       = scene.cell->hSize;
+	const Matrix3r gradient = nextGradient(*scene.cell);
+	for (int i = 0; i < 2; ++i)
+		for (int j = 0; j < 2; ++j)
+			cell.h[i][j] = double(h(i, j)), cell.gradient[i][j] = double(gradient(i, j));
+	const double determinant = cell.h[0][0] * cell.h[1][1] - cell.h[0][1] * cell.h[1][0];
+	cell.inverse[0][0]       = cell.h[1][1] / determinant,
+	cell.inverse[0][1]       = -cell.h[0][1] / determinant;
+	cell.inverse[1][0]       = -cell.h[1][0] / determinant,
+	cell.inverse[1][1]       = cell.h[0][0] / determinant;
+	cell.imageSpeed          = cell.largestDrift();
+	return cell;
+}
+
 } // namespace yade::plane

@@ -28,6 +28,12 @@ inline rcr::Flow flowOf(const Matrix3r& gradient)
 		    { double(gradient(1, 0)), double(gradient(1, 1)) } } };
 }
 
+/// Velocity gradient that NewtonIntegrator will apply next [1/s].
+Matrix3r nextGradient(const Cell&);
+
+/// The periodic cell of a scene with nextGradient.
+rcr::PeriodicCell cellOf(const Scene&);
+
 /// Shape in the plane at height z; kind none if it is unsupported or does not reach the plane.
 rcr::PlanarShape shapeOf(const Shape&, const State&, Real z);
 

@@ -2,16 +2,10 @@
 #pragma once
 
 #include "dem/engine/CellStress.hpp"
+#include "dem/shapes/plane.hpp"
 #include "dem/validation/validation.hpp"
 
 namespace yade {
-
-/// Velocity gradient that NewtonIntegrator will apply next [1/s].
-inline Matrix3r nextGradient(const Cell& cell)
-{
-	return cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad
-	                                                                   : cell.velGrad;
-}
 
 /// Terms that NewtonIntegrator adds to the velocities of bodies in a cell: change of the mean
 /// field, and its convection.
@@ -26,7 +20,7 @@ struct MeanField {
 		const NewtonIntegrator& newton = *engines.integrator;
 		const Cell& cell = *scene.cell;
 		periodic         = true;
-		gradient         = nextGradient(cell);
+		gradient         = plane::nextGradient(cell);
 		if (cell.homoDeform > 0) change = gradient - newton.prevVelGrad;
 		if (cell.homoDeform > 1) convection = newton.prevVelGrad;
 		startGradient = gradient;

@@ -10,24 +10,6 @@ namespace yade {
 
 namespace {
 
-	/// The periodic cell with the velocity gradient that NewtonIntegrator will apply next.
-	rcr::PeriodicCell cellOf(const Scene& scene, const Matrix3r& gradient)
-	{
-		rcr::PeriodicCell cell;
-		if (!scene.isPeriodic) return cell;
-		cell.periodic    = true;
-		const Matrix3r& h = scene.cell->hSize;
-		for (int i = 0; i < 2; ++i)
-			for (int j = 0; j < 2; ++j)
-				cell.h[i][j] = double(h(i, j)), cell.gradient[i][j] = double(gradient(i, j));
-		const double determinant = cell.h[0][0] * cell.h[1][1] - cell.h[0][1] * cell.h[1][0];
-		cell.inverse[0][0]       = cell.h[1][1] / determinant,
-		cell.inverse[0][1]       = -cell.h[0][1] / determinant;
-		cell.inverse[1][0]       = -cell.h[1][0] / determinant,
-		cell.inverse[1][1]       = cell.h[0][0] / determinant;
-		return cell;
-	}
-
 	struct Gatherer {
 		Scene&                  scene_;
 		const NewtonIntegrator& newton_;
@@ -41,7 +23,7 @@ namespace {
 			const BodyContainer& bodies = *scene_.bodies;
 			const std::size_t    count  = bodies.size();
 			step_.dt                    = double(scene_.dt);
-			step_.cell                  = cellOf(scene_, field_.gradient);
+			step_.cell                  = plane::cellOf(scene_);
 			if (field_.periodic) step_.startFlow = plane::flowOf(field_.startGradient);
 			step_.problem.inverseMass.resize(count);
 			step_.problem.freeVelocity.resize(count);

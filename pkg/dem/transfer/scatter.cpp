@@ -55,7 +55,7 @@ static void deformCell(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strai
 	cell.hSize = displaced * cell.hSize;
 	cell.trsf  = displaced * cell.trsf;
 	cell.integrateAndUpdate(0); // updates its derived data
-	Matrix3r gradient = nextGradient(cell);
+	Matrix3r gradient = plane::nextGradient(cell);
 	for (int axis = 0; axis < 2; ++axis)
 		gradient(axis, axis) = now.gradient[axis][axis];
 	cell.setVelGrad(gradient);

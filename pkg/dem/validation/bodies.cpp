@@ -88,6 +88,9 @@ std::string bodyError(const Body& b, const rcr::PlanarShape& shape, Real z)
 	if (shape.grain() && !(math::abs(s.pos.z() - z) <= sameHeight * (1 + math::abs(z))))
 		return name() + " lies at z = " + text(s.pos.z()) + ", other grains at z = " + text(z)
 		        + ", so they would not meet in the plane; give all the same z.";
+	if (shape.kind == rcr::PlanarShape::wall && std::abs(shape.sense) > 1)
+		return name() + " is a Wall with sense = " + std::to_string(shape.sense)
+		        + "; expected +1, −1, or 0 for both sides.";
 	if (shape.kind == rcr::PlanarShape::wall && s.angVel != Vector3r::Zero())
 		return name() + " is a Wall with the angular velocity " + coordinates(s.angVel)
 		        + ", but Walls cannot turn: use a Box or rcr.segment.";
@@ -117,6 +120,22 @@ std::string invalidBodies(const View& v)
 		        = b->shape && !b->isClump() ? plane::shapeOf(*b->shape, *b->state, z)
 		                                    : rcr::PlanarShape {};
 		if (const std::string error = bodyError(*b, shape, z); !error.empty()) return error;
+	}
+	return {};
+}
+
+std::string dragWarning(const Scene& scene)
+{
+	for (const auto& engine : scene.engines) {
+		const std::string name = engine->getClassName();
+		if (name != "DragEngine" && name != "LinearDragEngine" && name != "HydroForceEngine")
+			continue;
+		for (const Body::id_t id : static_cast<const PartialEngine&>(*engine).ids)
+			if (id >= 0 && std::size_t(id) < scene.bodies->size() && (*scene.bodies)[id]
+			    && dynamic_cast<const Rcr*>((*scene.bodies)[id]->shape.get()))
+				return name + " exerts no force on " + bodyNames({ id })
+				        + ", which is no Sphere; add the drag by a PyRunner before ContactDynamics: "
+				          "O.forces.addF(id, force).";
 	}
 	return {};
 }
@@ -154,7 +173,8 @@ void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
 		        ". Mend the material or Ip2 functor, then call O.interactions.clear().");
 	if (!(restitution >= 0 && restitution <= 1))
 		refuse("contact of ", bodyNames({ id1, id2 }), " has the restitution ", text(restitution),
-		        "; expected 0 to 1. Mend the Ip2 functor, then call O.interactions.clear().");
+		        "; expected 0 to 1. Mend the Ip2 functor, then call O.interactions.clear(). Materials "
+		        "have no restitution: a MatchMaker needs algo='val', or a match for each pair.");
 }
 
 std::string materials(const View& v)

@@ -30,7 +30,7 @@ std::string cellStress(const View& v)
 std::string velocityGradient(const View& v)
 {
 	if (!v.scene.isPeriodic) return {};
-	const Matrix3r gradient = nextGradient(*v.scene.cell);
+	const Matrix3r gradient = plane::nextGradient(*v.scene.cell);
 	if (!math::isfinite(gradient.sum()))
 		return "O.cell.velGrad is not finite; expected a velocity gradient in 1/s.";
 	const bool sheared = v.scene.cell->hasShear()

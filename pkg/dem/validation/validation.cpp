@@ -1,6 +1,7 @@
 #include "dem/validation/SceneView.hpp"
 
 #include "dem/engine/CellStress.hpp"
+#include "dem/shapes/plane.hpp"
 #include "dem/validation/deferredError.hpp"
 
 namespace yade::validation {
@@ -235,13 +236,18 @@ void relistPairs(Scene& scene)
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
 }
 
-/// Rejects a change of the time step between ContactDynamics and NewtonIntegrator. The former
-/// divides impulses by it, the latter multiplies forces by it. YADE advances the time by O.dt at
-/// the end of the step.
-void Validator::checkTimeStep(const View& v)
+/// Rejects a change of the time step or of the cell's motion between ContactDynamics and
+/// NewtonIntegrator. The former divides impulses by the time step, the latter multiplies forces by
+/// it. YADE advances the time by O.dt at the end of the step.
+void Validator::checkLastStep(const View& v)
 {
-	const Real change = v.scene.iter == nextStep_ ? math::abs(v.scene.time - nextTime_) : 0;
-	nextStep_ = -1; // the next attempt is accepted
+	const bool recorded = isNextStep(v.scene);
+	const Real change   = recorded ? math::abs(v.scene.time - nextTime_) : 0;
+	nextStep_           = -1; // the next attempt is accepted
+	if (recorded && v.scene.isPeriodic && v.scene.cell->prevVelGrad != gradient_)
+		refuse("O.cell.velGrad changed after ContactDynamics in the last step, so images moved "
+		       "otherwise than solved; change it by an engine before ContactDynamics or after "
+		       "NewtonIntegrator.");
 	if (change <= 1e-6 * v.scene.dt + 1e-12 * v.scene.time) return;
 	const int integrator = v.indexOf<NewtonIntegrator>();
 	// an engine after the integrator may change the time step
@@ -255,12 +261,13 @@ void Validator::checkTimeStep(const View& v)
 void Validator::recordNextStep(const Scene& scene)
 {
 	nextStep_ = scene.iter + 1, nextTime_ = scene.time + scene.dt;
+	if (scene.isPeriodic) gradient_ = plane::nextGradient(*scene.cell);
 }
 
 Engines Validator::validate(const Scene& scene)
 {
 	const View        view(scene);
-	checkTimeStep(view);
+	checkLastStep(view);
 	// may change without a change of objects
 	for (const auto rule : { timeStep, finiteMotion, integrator, velocityGradient, smallCell })
 		if (const std::string error = rule(view); !error.empty()) refuse(error);

@@ -69,9 +69,11 @@ std::string missingSolver(const Scene&);
 bool usesRcrClasses(const Scene&); // a law of rcr
 
 /// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs;
-/// bodies that overlap by more than 1 % of R₁ + R₂ before their first step.
+/// bodies that overlap by more than 1 % of R₁ + R₂ before their first step; a drag on Rcrs, which
+/// YADE's engines omit.
 std::string massWarning(const Scene&);
 std::string overlapWarning(const Scene&);
+std::string dragWarning(const Scene&);
 
 /// Identity of a scene's engines and functors. The pointers are weak, since a new engine may have
 /// the address of a deleted one.
@@ -92,14 +94,17 @@ class Validator {
 public:
 	Engines validate(const Scene&);       // throws the message of sceneError
 	void    recordNextStep(const Scene&); // call it after a step of ContactDynamics
+	/// Returns true if the scene is at the end of the recorded step.
+	bool isNextStep(const Scene& scene) const { return scene.iter == nextStep_; }
 
 private:
-	void checkTimeStep(const View&);
+	void checkLastStep(const View&);
 
 	Signature seen_;
 	Engines   engines_;
 	long      nextStep_ = -1; // expected number and time of the next step
 	Real      nextTime_ = 0;
+	Matrix3r  gradient_ = Matrix3r::Zero(); // that NewtonIntegrator was to apply
 };
 
 /// Returns true if YADE's rules of masks and clumps allow a contact of the two bodies.

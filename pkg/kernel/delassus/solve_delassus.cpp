@@ -12,6 +12,7 @@
 // Source: Jean 1999; Nesterov 1983.
 
 #include "delassus/delassus_problem.hpp"
+#include "problem/infeasibility.hpp"
 #include "problem/residual.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/stop_test.hpp"
@@ -85,6 +86,22 @@ namespace {
 			return residualFromSums(error2, impulse2, stopping2);
 		}
 
+		/// exceedsEnergyBound (problem/infeasibility.hpp) with the masses 1/W_nn and biases in q.
+		bool exceedsEnergyBound() const
+		{
+			double energy = 0, mass = 0, speed = 0, largest = 0;
+			for (const Impulse& p : problem_.impulse)
+				largest = std::max(largest, p.n);
+			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
+				const Impulse p = problem_.impulse[k], u = problem_.velocity[k];
+				energy -= p.n * u.n + p.t * u.t;
+				if (p.n <= noiseShare * largest) continue;
+				mass += 1 / block(k).nn;
+				speed = std::max(speed, std::sqrt(square(problem_.freeVelocity[k])));
+			}
+			return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * std::sqrt(mass) * speed;
+		}
+
 		/// Returns true if a point closes that no impulse can open. The residual omits it.
 		bool closesBlockedPoint() const
 		{
@@ -152,7 +169,7 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 	report.work       = double(report.iterations) * double(problem.freeVelocity.size());
 	report.residual   = sweeps.measure();
 	report.converged  = (report.meetsResidual(settings) || report.residual == 0)
-	        && !sweeps.closesBlockedPoint();
+	        && !sweeps.closesBlockedPoint() && !sweeps.exceedsEnergyBound();
 	return report;
 }
 

@@ -14,6 +14,12 @@ namespace {
 	// up to this number of widened bodies, a linear search is faster than sorting
 	constexpr std::size_t fewBodies      = 16;
 
+	double reachToImages(const Step& step, int id)
+	{
+		return step.cell.periodic
+		        ? imageReach(step.bodies[id].shape, step.cell.imageSpeed, step.dt) : 0;
+	}
+
 	/// Candidates for contacts of widened bodies. In an open scene with many widened bodies, grains
 	/// are sorted by x.
 	class Candidates {
@@ -70,7 +76,10 @@ namespace {
 
 	private:
 		/// Radius of the circle in which contacts of a grain are detected.
-		double extent(int id) const { return step_.bodies[id].radius + detectionReach(step_, id); }
+		double extent(int id) const
+		{
+			return step_.bodies[id].radius + detectionReach(step_, id) + reachToImages(step_, id);
+		}
 
 		const Step&       step_;
 		std::vector<bool> fast_;
@@ -80,17 +89,30 @@ namespace {
 		std::vector<std::pair<double, int>> grains_; // x and number
 	};
 
-	/// Widens the reach of bodies with longer paths and returns these bodies.
+	/// Returns true if images move beyond the reach in which their contacts were detected.
+	bool imagesLeaveReach(const Step& step)
+	{
+		if (!step.cell.periodic) return false;
+		double floor = std::numeric_limits<double>::infinity();
+		for (const StepBody& b : step.bodies)
+			if (b.shape.grain()) floor = std::min(floor, imageReach(b.shape, 0, step.dt));
+		return step.dt * step.cell.largestDrift() > 2 * step.dt * step.cell.imageSpeed + floor;
+	}
+
+	/// Widens the reach of bodies with longer paths and returns these bodies; all bodies if images
+	/// leave their reach.
 	std::vector<std::int32_t> widenReach(Step& step)
 	{
 		std::vector<std::int32_t> widened;
+		const bool                images = imagesLeaveReach(step);
+		if (images) step.cell.imageSpeed = step.cell.largestDrift();
 		for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 			const StepBody& b = step.bodies[id];
 			if (b.shape.kind == PlanarShape::none) continue;
 			const double path = step.pathOf(int(id), step.problem.velocity[id]);
-			if (!(path > b.coveredPath) || path <= step.widenedReach[id]) continue;
-			step.widenedReach[id] = detectionReach(step, id) + wideningFactor * path;
-			widened.push_back(std::int32_t(id));
+			const bool   longer = path > b.coveredPath && path > step.widenedReach[id];
+			if (longer) step.widenedReach[id] = detectionReach(step, id) + wideningFactor * path;
+			if (longer || images) widened.push_back(std::int32_t(id));
 		}
 		return widened;
 	}
@@ -165,9 +187,11 @@ namespace {
 		found.body2    = other;
 		found.shift    = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
 		found.known    = contact;
-		found.manifold = contactPoints(one.shape, one.pose(), two.shape,
-		        shifted(two.pose(), found.shift),
-		        detectionReach(step, id) + detectionReach(step, other));
+		double reach   = detectionReach(step, id) + detectionReach(step, other);
+		if (found.shift.x != 0 || found.shift.y != 0)
+			reach += reachToImages(step, id) + reachToImages(step, other);
+		found.manifold = contactPoints(
+		        one.shape, one.pose(), two.shape, shifted(two.pose(), found.shift), reach);
 		if (isKnown(step, contact, found.manifold, exact)) return;
 		// keeps a contact beyond a smaller reach
 		if (exact && found.manifold.count == 0) return;

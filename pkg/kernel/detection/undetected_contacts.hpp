@@ -5,10 +5,16 @@
 //
 //   ℓ = 2 dt (|v| + |ω| R), for a grain at least 0.01 R'
 //
-// For a wall, |v| is its speed along its normal. A body that is released or hit may move further.
+// For a wall, |v| is its speed along its normal. In a cell that deforms, an image moves relative to
+// its body by up to the speed v_i. Between a body and an image of another, each reaches further by
+//
+//   ℓ_i = dt v_i, for a grain 0.01 R' more
+//
+// A body that is released or hit may move further, and CellStress may change v_i in the solve.
 // After the solve, the reach of a free body whose path exceeds ℓ is widened to ℓ + 1.5 path. If an
 // undetected gap then closes beyond the slop, all contacts within the widened reach are added. The
-// step is then solved again, up to its limit of passes. A gap closes on its tangent plane. With a
+// step is then solved again, up to its limit of passes. If images move further than 2 dt v_i plus
+// 0.01 R', all bodies reach further by the new v_i. A gap closes on its tangent plane. With a
 // large displacement, it may also close on the curved paths of the bodies.
 #pragma once
 
@@ -25,6 +31,12 @@ inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 		return 2 * dt * std::abs(shape.axis == 0 ? v.x : v.y);
 	const double alert = 2 * dt * maxSpeed(v, shape.radius());
 	return shape.grain() ? std::max(0.01 * shape.halfWidth, alert) : alert;
+}
+
+/// Part ℓ_i of the reach of a body to images of others [m]. `imageSpeed`: v_i.
+inline double imageReach(const PlanarShape& shape, double imageSpeed, double dt)
+{
+	return dt * imageSpeed + (shape.grain() ? 0.01 * shape.halfWidth : 0);
 }
 
 /// Returns true if masks, clumps and engines of the simulation allow a new contact of two bodies.

@@ -7,9 +7,6 @@
 
 namespace rcr {
 
-constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
-constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise
-
 static double mass(const InverseMass& m)
 {
 	const double inverse = std::max(m.x, m.y);

@@ -42,6 +42,9 @@ bool exceedsEnergyBound(const ContactProblem&);
 /// bodies and the RMS |u_free| of all points. So it may overlook a wedge in a large scene.
 bool mayExceedEnergyBound(const ContactProblem&, double energy, double freeSpeed);
 
+constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
+constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise
+
 constexpr int    probeSweeps = 100;  // sweeps over which the growth of impulses is measured
 constexpr double minGrowth   = 0.03; // least relative growth of diverging impulses
 

@@ -193,10 +193,13 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 	Report rigid = solveRigid(problem, solver, settings, workspace);
 	if (mustYield(rigid, problem, settings, workspace))
 		return solveYielding(problem, settings, rigid, workspace).after(rigid);
-	if (settings.yielding.compliance == 0 // else mustYield has tested it
-	        && closesBlockedContact(problem, settings.roundingVelocity)
-	        && closesBlockedContact(problem, 1e-12 * drivenSpeed(problem)))
-		rigid.converged = false; // the residual omits such a contact
+	// mustYield has tested contacts that may yield
+	const bool mayHaveNoSolution = settings.yielding.compliance == 0 && rigid.converged;
+	if (mayHaveNoSolution // the residual omits a blocked contact, and impulses that grow lower it
+	    && (exceedsEnergyBound(problem)
+	            || (closesBlockedContact(problem, settings.roundingVelocity)
+	                    && closesBlockedContact(problem, 1e-12 * drivenSpeed(problem)))))
+		rigid.converged = false;
 	if (rigid.converged || !hasPositiveCost(problem)) return rigid;
 	return solveFromZero(problem, settings, workspace).after(rigid);
 }

@@ -123,7 +123,8 @@ inline Vec2 product(const double (&m)[2][2], Vec2 v)
 struct PeriodicCell {
 	bool   periodic = false;
 	double h[2][2] {}, inverse[2][2] {}, gradient[2][2] {};
-	Vec2   inverseMass; // of stretching [1/(kg m²)]
+	Vec2   inverseMass;    // of stretching [1/(kg m²)]
+	double imageSpeed = 0; // largestDrift when contacts were detected [m/s]
 
 	bool stretches() const { return inverseMass.x > 0 || inverseMass.y > 0; }
 	/// Returns true if a prescribed component of its motion is not zero.
@@ -149,6 +150,12 @@ struct PeriodicCell {
 	}
 	/// Velocity of an image relative to its body [m/s].
 	Vec2 drift(Vec2 shift) const { return product(gradient, shift); }
+	/// Largest speed of a neighbouring image relative to its body [m/s].
+	double largestDrift() const
+	{
+		const Vec2 a = drift({ h[0][0], h[1][0] }), b = drift({ h[0][1], h[1][1] });
+		return std::max({ norm(a), norm(b), norm(a + b), norm(a - b) });
+	}
 };
 
 /// Homogeneous flow with a velocity gradient [1/s].

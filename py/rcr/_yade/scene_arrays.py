@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from yade.wrapper import (
-    Box, Facet, FrictPhys, GenericSpheresContact, NormPhys, NormShearPhys, Omega, Rcr, RcrGeom,
+    Box, ContactDynamics, Facet, FrictPhys, GenericSpheresContact, NormPhys, NormShearPhys, Omega, Rcr, RcrGeom,
     Sphere, Wall,
 )  # fmt: skip
 
@@ -28,7 +28,9 @@ def read():
     O = Omega()
     grains, centers, z = _grains(O)
     walls, outlines = _obstacles(O, z)
-    frame = dict(grains=grains, centers=centers, walls=walls, outlines=outlines, time=O.time)
+    change = "".join(e._change_since_step() for e in O.engines if isinstance(e, ContactDynamics))
+    frame = dict(grains=grains, centers=centers, walls=walls, outlines=outlines, time=O.time,
+                 change=change)
     cell = None
     if O.periodic:
         cell = np.array(O.cell.hSize)[:2, :2]

@@ -37,14 +37,16 @@ def contact_network(walls=None, volume=None, **attributes):
     Raises
     ------
     ValueError
-        If no grain is free, the volume is not > 0, `walls` are not four walls of a box, or an
-        attribute is one that the scene itself gives.
+        If no grain is free, the volume is not > 0, `walls` are not four walls of a box, an
+        attribute is one that the scene itself gives, or O.dt or a velocity has changed since the
+        last step.
     """
     own = {"time", "dt", "cell", "cell_velocity"} & attributes.keys()
     if own:
         given = ", ".join(sorted(own))
         raise ValueError(f"contact_network({given}=…): the scene gives it; choose another name")
     frame = Frame.of_scene()
+    frame.check_unchanged()
     if frame.grains["fixed"].all():
         raise ValueError("the scene holds no free Rcr and no free Sphere, so it has no network")
     codes = {}

@@ -103,6 +103,26 @@ def test_a_body_is_erased_from_a_cell_only_with_a_new_collider():
     assert O.iter == 750 and np.isfinite(rcr.measure.extent()).all()
 
 
+@pytest.mark.parametrize("strain, eta", [(5e-3, 0), (1e-3, 0.7), (2e-4, 0.95)])
+@pytest.mark.parametrize("corner", [False, True])
+def test_images_meet_that_only_the_cell_brings_together(strain, eta, corner):
+    """Two grains are at rest; the image of the lower one comes by the motion of the cell alone."""
+    R, dt = 0.1, 1e-2
+    lower, upper = scene("rigid", *(rcr.particle((1, y), R, eta, material=material(0))
+                                    for y in (0.1, 1.5)), dt=dt)
+    O.cell.velGrad = plane(-strain / dt if corner else 0, 0, 0, -strain / dt)
+    steps(1)
+    width = 2 * R * (1 - eta)
+    # YADE shrinks the cell before the contacts of a step are detected
+    edge = O.cell.hSize[1, 1] * (1 - strain) ** 2  # at the end of the next step
+    start = O.bodies[lower].state.pos
+    O.bodies[upper].state.pos = (start[0], start[1] + edge - width + 0.6 * strain * edge, 0)
+    O.bodies[lower].state.vel = O.bodies[upper].state.vel = (0, 0, 0)
+    steps(1)
+    gap = O.bodies[lower].state.pos[1] + edge - O.bodies[upper].state.pos[1] - width
+    assert solver().converged and gap == pytest.approx(0, abs=1e-5 * R)
+
+
 def press(stress, mass=1):
     insert(3, rcr.CellStress(stress=stress, mass=mass))
 
