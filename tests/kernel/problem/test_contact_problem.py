@@ -21,27 +21,17 @@ from kernel.contact_problems import Problem, pile
     ("friction", 10, 1.6e16, "contact point 10: the friction coefficient is above 1000"),
     ("friction", 10, np.inf, "contact point 10: a number is not finite"),
     ("impulse", (11, 1), np.nan, "contact point 11: a number is not finite"),
+    *(("bodies", (5, 0), value, f"{holds}; expected integers") for value, holds in (
+        (0.7, "bodies holds float64"), ("1", "bodies holds .*"), (None, "bodies holds object"))),
+    *(("bodies", (5, 0), value, f"{holds}expected integers of 32 bits") for value, holds in (
+        (2**32 + 1, "bodies holds 4294967297; "), (-(2**33), "bodies holds -8589934592; "),
+        (2**63, ""))),
 ])
 def test_invalid_numbers_are_rejected(name, index, value, message):
+    """Ids are not rounded or truncated: 0.7 is not body 0, and 2³² + 1 is not body 1."""
     problem = pile(1)
+    problem[name] = problem[name].astype(np.array(value).dtype)
     problem[name][index] = value
-    with pytest.raises(ValueError, match=message):
-        problem.solve()
-
-
-@pytest.mark.parametrize("value, message", [
-    (0.7, "bodies holds float64; expected integers"),
-    (2**32 + 1, "bodies holds 4294967297; expected integers of 32 bits"),
-    (-(2**33), "bodies holds -8589934592; expected integers of 32 bits"),
-    (2**63, "expected integers of 32 bits"),
-    ("1", "bodies holds .*; expected integers"),
-    (None, "bodies holds object; expected integers"),
-])
-def test_ids_are_not_rounded_or_truncated(value, message):
-    """0.7 is not body 0, and 2³² + 1 is not body 1."""
-    problem = pile(1)
-    problem["bodies"] = problem["bodies"].astype(np.array(value).dtype)
-    problem["bodies"][5, 0] = value
     with pytest.raises(ValueError, match=message):
         problem.solve()
 

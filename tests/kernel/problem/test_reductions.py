@@ -139,13 +139,6 @@ def test_the_model_follows_the_problem(change):
         assert second["frictionless"] == (change == "lever")
 
 
-def test_fixed_bodies_without_unknowns():
-    (full, reduced), models = full_and_reduced(discs(pile(8, 40, 5)), "fixed", **FINE)
-    assert_same_translation(reduced, full)
-    assert reduced["converged"] and full["converged"]
-    assert models[1]["bodies"] == models[0]["bodies"] - 2  # without floor and left wall
-
-
 @pytest.mark.parametrize("solver", SWEEPS)
 def test_islands_are_independent(solver):
     """An island has the same bits alone and beside others, and its own number of sweeps."""
@@ -177,12 +170,18 @@ def test_work_of_heaps_is_the_sum_of_their_work():
     assert apart["work"] < 0.8 * at_once["work"], (apart["work"], at_once["work"])
 
 
-def test_islands_are_equal_to_one_problem():
-    """Velocities without friction are unique: islands and the whole give the same."""
-    whole = discs(beside(pile(30, 8, 6), pile(31, 5, 9), grains_on_a_floor(25)))
-    results, models = full_and_reduced(whole, "islands", **FINE)
-    assert_same_translation(*results)
-    assert models[0]["islands"] == 1 and models[1]["islands"] > 25
+def test_fixed_bodies_and_islands_change_no_unique_velocity():
+    """Velocities without friction are unique."""
+    several = discs(beside(pile(30, 8, 6), pile(31, 5, 9), grains_on_a_floor(25)))
+    for whole, reduction in (discs(pile(8, 40, 5)), "fixed"), (several, "islands"):
+        results, models = full_and_reduced(whole, reduction, **FINE)
+        assert_same_translation(*results)
+        assert all(result["converged"] for result in results)
+        less = [model[dict(fixed="bodies", islands="islands")[reduction]] for model in models]
+        if reduction == "fixed":
+            assert less[1] == less[0] - 2  # without floor and left wall
+        else:
+            assert less[0] == 1 and less[1] > 25
 
 
 def test_bodies_that_connect_islands():

@@ -42,10 +42,12 @@ def test_floats_alone_reach_their_rounding(problem):
     assert problem.solve("nesterov", max_iterations=12_000, **UNCHECKED)["residual"] < 1e-6
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-10])
 def test_tolerances_are_met_in_doubles(problem, tolerance):
-    found = assert_solved(problem, tolerance=tolerance, max_iterations=50_000)
-    assert found["residual"] <= tolerance
+    """The finest one without friction alone: with friction sweeps may stall."""
+    if tolerance > 1e-10 or not problem["friction"].any():
+        found = assert_solved(problem, tolerance=tolerance, max_iterations=100_000)
+        assert found["residual"] <= tolerance
 
 
 @pytest.mark.parametrize("kinematic_tolerance", [0.3, 0.1, 0.03])
@@ -60,12 +62,6 @@ def test_kinematic_error_is_that_of_doubles(problem, kinematic_tolerance):
                                   max_iterations=end["iterations"] - 1, **UNCHECKED)
             assert (earlier["kinematic_error"] > 0.999 * kinematic_tolerance
                     or earlier["residual"] > 0.9), start.name
-
-
-def test_fine_tolerances_are_met_in_doubles():
-    problem = large(frictionless)
-    result = problem.solve("nesterov", tolerance=1e-10, max_iterations=100_000)
-    assert result["converged"] and result["residual"] <= 1e-10
 
 
 def test_a_common_velocity_changes_no_accuracy():
