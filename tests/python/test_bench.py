@@ -2,7 +2,6 @@
 
 import dataclasses
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -13,8 +12,8 @@ from rcr.network import Network
 from scipy.sparse import csc_array
 
 import synthetic
+from common import answer, ended, python, refused, rows_of
 from problem_files import npz
-from stand_ins import answer, rows_of
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
@@ -41,8 +40,7 @@ def residual(problem):
                             problem.impulse)
 
 
-# --- what is measured with ------------------------------------------------------------------------
-
+# --- what is measured with
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5, 1e-9])
 def test_residual_is_the_one_that_the_kernels_report(tolerance):
@@ -80,8 +78,7 @@ def test_the_image_of_a_solution_solves_the_mirrored_problem(times):
 def test_a_problem_without_walls_has_no_mirror():
     problem = lattice()
     problem.inverse_mass[-4:] = 1
-    with pytest.raises(ValueError, match="straight wall"):
-        measure.mirrored(problem)
+    refused("straight wall", measure.mirrored, problem)
 
 
 def test_lattice_is_one():
@@ -96,25 +93,22 @@ def test_lattice_is_one():
     assert (~inner).sum() == 2 * side + side // 2 + (side + 1) // 2
 
 
-# --- scripts/bench_solver.py ----------------------------------------------------------------------
+# --- scripts/bench_solver.py
+
+def bench(script, *arguments, out, code=0):
+    """Rows of a table by its name, of a benchmark with the folder `out`; or its CompletedProcess
+    that may fail, for the code None.
+    """
+    done = ended(sys.executable, ROOT / "scripts" / script, *arguments, "--out", out, cwd="/",
+                 code=code)
+    return done if code is None else lambda table: rows_of(out / f"{table}.csv")
 
 
-def bench(script, *arguments):
-    command = [sys.executable, ROOT / "scripts" / script, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, cwd="/", timeout=300)
-
-
-def measured(script, *arguments):
-    """Run a benchmark that succeeds; its results are in the folder after --out."""
-    ended = bench(script, *arguments)
-    assert ended.returncode == 0, ended.stderr
-
-
-def assert_refused(says, script, *arguments, beside="contact points"):
+def assert_refused(says, script, *arguments, out, beside="contact points"):
     """The benchmark fails with one line, beside those that contain `beside`."""
-    ended = bench(script, *arguments)
-    complaint = [line for line in ended.stderr.splitlines() if beside not in line]
-    assert ended.returncode != 0 and len(complaint) == 1 and says in complaint[0], ended.stderr
+    done = bench(script, *arguments, out=out, code=None)
+    complaint = [line for line in done.stderr.splitlines() if beside not in line]
+    assert done.returncode != 0 and len(complaint) == 1 and says in complaint[0], done.stderr
 
 
 FAST = ["--repeats", "1", "--budget", "0"]
@@ -131,11 +125,10 @@ def files(tmp_path):
 
 def test_bench_solver_writes_its_tables(files):
     names = [files / name for name in ("small.npz", "larger.npz", "small.h5")]
-    measured("bench_solver.py", *names, "--mirror", 1, "--warm", "--tolerances", "1e-3", "1e-6",
-             "--out", files / "out", *FAST)
-    sweeps = rows_of(files / "out" / "sweeps.csv")
-    assert len(sweeps) == 4 * 2 * 3 * 2 + 2  # with bodies: solvers, lanes, threads
-    rows = rows_of(files / "out" / "tolerances.csv")
+    tables = bench("bench_solver.py", *names, "--mirror", 1, "--warm", "--tolerances", "1e-3",
+                   "1e-6", *FAST, out=files / "out")
+    assert len(tables("sweeps")) == 4 * 2 * 3 * 2 + 2  # with bodies: solvers, lanes, threads
+    rows = tables("tolerances")
     assert {row["problem"] for row in rows} == {"small", "small x2", "larger", "larger x2"}
     for row in rows:
         reported = float(row["residual"])
@@ -151,9 +144,9 @@ def test_bench_solver_compares_with_siconos(files):
     found = (1e-3, 10, 2.0, 5e-4), (1e-6, 20, 4.0, 2e-6)
     rows = [dict(zip(("tolerance", "iterations", "seconds", "residual"), row)) for row in found]
     siconos = answer(files / "answer", rows=rows, ns=100.0)
-    measured("bench_solver.py", files / "small.npz", "--only", "tolerances", "--solvers", "exact",
-             "--tolerances", "1e-3", "1e-6", "--siconos", siconos, "--out", files / "out", *FAST)
-    peers = rows_of(files / "out" / "peers.csv")
+    peers = bench("bench_solver.py", files / "small.npz", "--only", "tolerances", "--solvers",
+                  "exact", "--tolerances", "1e-3", "1e-6", "--siconos", siconos, *FAST,
+                  out=files / "out")("peers")
     assert [row["peer"] for row in peers] == ["Siconos NSGS"] * 2
     assert [row["reached"] for row in peers] == ["True", "False"]
 
@@ -161,9 +154,9 @@ def test_bench_solver_compares_with_siconos(files):
 def test_impulses_of_siconos_have_the_residual_that_it_prints(files):
     """Siconos' impulses at 1e-8 have the residual that it prints, if it is installed."""
     pytest.importorskip("siconos.numerics", reason="this Python has no Siconos")
-    measured("bench_solver.py", files / "small.npz", "--only", "tolerances", "--siconos",
-             sys.executable, "--out", files / "out", *FAST)
-    assert all(row["reached"] == "True" for row in rows_of(files / "out" / "peers.csv"))
+    peers = bench("bench_solver.py", files / "small.npz", "--only", "tolerances", "--siconos",
+                  sys.executable, *FAST, out=files / "out")("peers")
+    assert all(row["reached"] == "True" for row in peers)
 
 
 @pytest.mark.parametrize("name, options, says", [
@@ -177,13 +170,12 @@ def test_impulses_of_siconos_have_the_residual_that_it_prints(files):
      "/none/python: No such file or directory"),
 ])
 def test_bench_solver_reports_errors_in_a_line(files, name, options, says):
-    assert_refused(says, "bench_solver.py", files / name, "--out", files / "out", *FAST,
-                   *options.split())
+    assert_refused(says, "bench_solver.py", files / name, *FAST, *options.split(),
+                   out=files / "out")
     assert not list((files / "out").glob("*"))
 
 
-# --- scripts/bench_step.py ------------------------------------------------------------------------
-
+# --- scripts/bench_step.py
 
 @pytest.fixture
 def packing(tmp_path):
@@ -227,10 +219,9 @@ def test_bench_step_writes_its_table(packing, tmp_path):
     for name in "chipmunk", "box2d":
         answer(tmp_path / f"{name}_step", library="Other 1", seconds=[1e-3] * 20,
                contacts=[contact], before=before.tolist(), after=after.tolist())
-    measured("bench_step.py", packing, "--peers", tmp_path, "--repeats", 1, "--out",
-             tmp_path / "out")
     ours, others = [], []
-    for row in rows_of(tmp_path / "out" / "step.csv"):
+    for row in bench("bench_step.py", packing, "--peers", tmp_path, "--repeats", 1,
+                     out=tmp_path / "out")("step"):
         (ours if row["library"].startswith("rcr") else others).append(row)
     assert [row["library"] for row in ours] == ["rcr nlgs", "rcr nesterov"] and len(others) == 4
     for row in others:
@@ -244,10 +235,9 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
     program = ROOT / "build" / "peers" / f"{name}_step"
     if not program.exists():
         pytest.skip(f"{program.name} is not built")
-    measured("bench_step.py", packing, "--iterations", 2000, "--repeats", 1, "--out",
-             tmp_path / "out")
-    cold, warm = (row for row in rows_of(tmp_path / "out" / "step.csv")
-                  if row["library"].lower().startswith(name))
+    rows = bench("bench_step.py", packing, "--iterations", 2000, "--repeats", 1,
+                 out=tmp_path / "out")("step")
+    cold, warm = (row for row in rows if row["library"].lower().startswith(name))
     rounding = 1e-12 if name == "chipmunk" else 1e-4  # Box2D computes in single precision
     for row in cold, warm:
         assert float(row["velocity_error"]) < rounding and float(row["residual"]) < 10 * rounding
@@ -264,12 +254,11 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
 ])
 def test_bench_step_reports_errors_in_a_line(packing, tmp_path, name, options, says):
     (tmp_path / "six.txt").write_text("1 2 3\n")
-    assert_refused(says, "bench_step.py", tmp_path / name, "--repeats", 1, "--out",
-                   tmp_path / "out", *options.split(), beside="is left out")
+    assert_refused(says, "bench_step.py", tmp_path / name, "--repeats", 1, *options.split(),
+                   out=tmp_path / "out", beside="is left out")
 
 
-# --- benchmarks/outside.py ------------------------------------------------------------------------
-
+# --- benchmarks/outside.py
 
 def test_commands_run_outside_through_pipes():
     """A server at the other end of two pipes executes the commands after `stay`."""
@@ -286,14 +275,12 @@ for command in ["/none/program"], ["sh", "-c", "echo first; echo why >&2; exit 3
     except RuntimeError as error:
         print(error)
 """
-    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
-                           env={**os.environ, "PYTHONIOENCODING": "utf-8"})
+    done = python(script, env={**os.environ, "PYTHONIOENCODING": "utf-8"})
     expected = ["a b ü", "/none/program: No such file or directory", "sh: why"]
-    assert ended.stdout.splitlines() == expected, ended.stderr
+    assert done.stdout.splitlines() == expected, done.stderr
 
 
-# --- benchmarks/charts ----------------------------------------------------------------------------
-
+# --- benchmarks/charts
 
 def test_charts_compact_again_under_another_protocol(tmp_path, monkeypatch):
     """A packing is reused as long as the protocol is the same."""

@@ -1,6 +1,5 @@
 """Pictures and films of networks, without YADE and without a display."""
 
-import subprocess
 import sys
 
 import numpy as np
@@ -21,6 +20,7 @@ from rcr._pictures import drawing
 from rcr.frame import Frame
 from rcr._pictures.outlines import polygons
 
+from common import python, refused
 from synthetic import packing
 
 
@@ -64,9 +64,7 @@ import sys, rcr.plot
 rcr.plot.snapshot({str(tmp_path / "a.png")!r}, {str(tmp_path / "network.h5")!r}, contacts="force")
 sys.exit("matplotlib.pyplot" in sys.modules or "yade" in sys.modules)
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120,
-                          env={"PATH": "/usr/bin", "PYTHONPATH": ":".join(sys.path)})
-    assert done.returncode == 0, done.stderr
+    python(code, env={"PATH": "/usr/bin", "PYTHONPATH": ":".join(sys.path)})
     assert imread(tmp_path / "a.png").std() > 0.1
 
 
@@ -86,17 +84,19 @@ def test_grains_stand_where_they_are():
         assert pixel(2 * k + 0.8, 0.45) == pytest.approx([1, 1, 1], abs=0.01)  # beside the cap
 
 
+colors_of = lambda scene, **options: grains_of(plot.packing(scene, **options)).get_facecolor()
+
+
 def test_orientations_repeat_after_half_a_turn():
     around = frame(3, angle=np.array([0.3, 0.3 + np.pi, 0.3 - 5 * np.pi]))
-    colors = grains_of(plot.packing(around)).get_facecolor()
-    assert np.ptp(colors, axis=0) == pytest.approx(0, abs=1e-6)  # the map has 256 steps
+    assert np.ptp(colors_of(around), axis=0) == pytest.approx(0, abs=1e-6)  # of 256 steps
     disc = frame(1, half_length=np.zeros(1))
-    assert grains_of(plot.packing(disc)).get_facecolor()[0] == pytest.approx(to_rgba(drawing.GRAIN))
+    assert colors_of(disc)[0] == pytest.approx(to_rgba(drawing.GRAIN))
 
 
 @pytest.mark.parametrize("color", [*plot.SCALES, *plot.CATEGORIES, "0.5", "tab:blue"])
 def test_every_name_of_a_colour(color):
-    assert len(grains_of(plot.packing(packing(0.5), color=color)).get_facecolor()) == 200
+    assert len(colors_of(packing(0.5), color=color)) == 200
 
 
 @pytest.mark.parametrize("grains, options, colors", [
@@ -108,20 +108,14 @@ def test_every_name_of_a_colour(color):
                  ["red", drawing.OBSTACLE, drawing.OBSTACLE], id="fixed grains are grey"),
 ])
 def test_colours_of_grains(grains, options, colors):
-    found = grains_of(plot.packing(frame(3, **grains), **options)).get_facecolor()
+    found = colors_of(frame(3, **grains), **options)
     assert found == pytest.approx(np.array(list(map(to_rgba, colors))), abs=0.01)  # 256 greys
 
 
-def test_speed_is_that_of_the_centre():
+def test_speed_load_and_pressure_of_a_grain():
+    """Three discs in a row under a force of 7: the middle one bears 14, the stress is F·2r/A."""
     moving = frame(2, velocity=np.array([[3.0, 4.0, 100.0], [0, 0, 0]]))
-    assert plot.SCALES["speed"].values(moving) == pytest.approx([5, 0])
-
-
-def test_load_and_pressure_of_a_grain_between_two():
-    """Three discs in a row under a force of 7: the middle one bears 14.
-
-    A disc squeezed by F along x has the stress F·2r/A.
-    """
+    assert plot.SCALES["speed"].values(moving) == pytest.approx([5, 0])  # of the centre
     row = pressed(3, 7.0, 7.0)
     row.grains |= dict(half_length=np.zeros(3), cap_radius=np.ones(3))
     assert plot.SCALES["load"].values(row) == pytest.approx([7, 14, 7])
@@ -129,14 +123,11 @@ def test_load_and_pressure_of_a_grain_between_two():
     assert plot.SCALES["contacts"].values(row) == pytest.approx([1, 2, 1])
 
 
-def test_segments_are_as_thick_as_their_force():
+def test_segments_are_as_thick_as_their_force_and_equal_forces_have_one_colour():
+    """Rounding must not matter: 0.1 three times has the mean 0.10000000000000002."""
     lines = forces_of(plot.packing(pressed(4, 1.0, 2.0, 3.0), contacts="type"))
     widths = np.sort(np.concatenate([c.get_linewidths() for c in lines]))
     assert widths / widths[0] == pytest.approx([1, 2, 3])
-
-
-def test_equal_forces_have_one_colour():
-    """Rounding must not matter: 0.1 three times has the mean 0.10000000000000002."""
     row = pressed(4, 0.1, 0.1 + 1e-9, 0.1 - 1e-9)
     assert len([c for c in forces_of(plot.packing(row, contacts="force")) if c.get_paths()]) == 1
 
@@ -255,15 +246,12 @@ def test_users_axes_are_kept_and_get_no_legend():
     (3, {}, TypeError, "Network"),
 ])
 def test_what_is_refused(tmp_path, scene, options, error, says):
-    with pytest.raises(error, match=says):
-        plot.packing(scene, **options)
-    with pytest.raises(ValueError, match="picture format"):
-        plot.snapshot(tmp_path / "a.xyz", frame(1))
+    refused(says, plot.packing, scene, error=error, **options)
+    refused("picture format", plot.snapshot, tmp_path / "a.xyz", frame(1))
     assert not list(tmp_path.iterdir())
 
 
-# --- films ----------------------------------------------------------------------------------------
-
+# --- films
 
 def moments_of(path):
     """Grey values (h, w) of the moments of a film."""
@@ -313,18 +301,13 @@ def stop(*_, **__):
     raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize("out, writer, method, replaced, error, says", [
-    ("a.mp4", "FFMpegWriter", "isAvailable", lambda: False, ValueError, "ffmpeg, which is not ins"),
-    (None, "PillowWriter", "grab_frame", stop, KeyboardInterrupt, ""),
-])
-def test_a_failed_film_leaves_nothing(tmp_path, monkeypatch, out, writer, method, replaced, error,
-                                      says):
-    with pytest.raises(ValueError, match="no snapshots"):
-        rcr.movie(tmp_path)
+def test_a_failed_film_leaves_nothing(tmp_path, monkeypatch):
+    refused("no snapshots", rcr.movie, tmp_path)
     packing(0.5).save(tmp_path / "network.h5")
-    monkeypatch.setattr(getattr(matplotlib.animation, writer), method, replaced)
-    with pytest.raises(error, match=says):
-        rcr.movie(tmp_path, out and tmp_path / out)
+    monkeypatch.setattr(matplotlib.animation.FFMpegWriter, "isAvailable", lambda: False)
+    refused("ffmpeg, which is not installed", rcr.movie, tmp_path, tmp_path / "a.mp4")
+    monkeypatch.setattr(matplotlib.animation.PillowWriter, "grab_frame", stop)
+    refused("", rcr.movie, tmp_path, error=KeyboardInterrupt)
     assert [p.name for p in tmp_path.iterdir()] == ["network.h5"]
 
 

@@ -3,8 +3,8 @@
 Residuals are recomputed with NumPy from the written reactions on the dense W and q.
 """
 
+import contextlib
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,6 +14,7 @@ import hypothesis.extra.numpy as hnp
 import numpy as np
 import pytest
 from hypothesis import strategies as st
+from common import ended, refused
 from damage import put, replace
 from natural_map import residual
 from problem_files import write, write_siconos
@@ -77,8 +78,7 @@ def test_settings(files):
         assert not short.converged and short.iterations <= 7 and short.residual > 1e-12
         for bad, says in (({"solver": "newton"}, "newton"), ({"tolerance": -1}, "tolerance = -1"),
                           ({"max_iterations": 0}, "maxIterations = 0")):
-            with pytest.raises(ValueError, match=says):
-                solve(files / name, **bad)
+            refused(says, solve, files / name, **bad)
 
 
 def test_warm_start(files):
@@ -138,14 +138,12 @@ def test_a_contact_that_no_impulse_can_open_does_not_converge(solver):
         assert solve(bodies, solver).converged == (bias > 0)
 
 
-# --- malformed files ------------------------------------------------------------------------------
-
+# --- malformed files
 
 def assert_refused(path, says):
     """One line names the file and says what is wrong."""
-    with pytest.raises(ValueError, match=says) as error:
-        solve(path)
-    assert f"{path.name}: " in str(error.value) and "\n" not in str(error.value)
+    error = refused(says, solve, path)
+    assert f"{path.name}: " in error and "\n" not in error
 
 
 @pytest.mark.parametrize("name, change, says", [
@@ -168,14 +166,9 @@ def test_refuses_npz(step, tmp_path, name, change, says):
     assert_refused(tmp_path / "bad.npz", says)
 
 
-def remove(name):
-    return lambda group: group.pop(name)
-
-
 @pytest.mark.parametrize("change, says", [
-    (remove("W/x"), "fclib_local lacks W/x"),
-    (remove("spacedim"), "fclib_local lacks spacedim"),
-    (remove("vectors/mu"), "fclib_local lacks vectors/mu"),
+    *((lambda group, name=name: group.pop(name), f"fclib_local lacks {name}")
+      for name in ("W/x", "spacedim", "vectors/mu")),
     (replace("spacedim", np.array([3])), "spacedim = 3; expected 2"),
     (replace("W/m", np.array([7])), r"W is 7 × \d+"),
     (replace("W/nz", np.array([-5])), "W/nz = -5; expected −1"),
@@ -239,27 +232,31 @@ def test_refuses_other_files(tmp_path):
     for name in ("x.npz", "x.h5", "x.dat"):
         (tmp_path / name).write_text("what is this\n")
         assert_refused(tmp_path / name, "")
-    with pytest.raises(ValueError, match=r"unknown suffix '.mat'; expected one of .npz, .h5, "
-                       r".hdf5, .dat"):
-        solve(tmp_path / "x.mat")
+    refused("unknown suffix '.mat'; expected one of .npz, .h5, .hdf5, .dat", solve,
+            tmp_path / "x.mat")
 
 
-# --- the script -----------------------------------------------------------------------------------
+# --- the script
+
+def run(*arguments, folder="/", code=0):
+    return ended(sys.executable, ROOT / "scripts" / "solve.py", *arguments, cwd=folder, code=code)
 
 
-def run(*arguments, folder="/"):
-    return subprocess.run([sys.executable, ROOT / "scripts" / "solve.py", *map(str, arguments)],
-                          capture_output=True, text=True, cwd=folder)
+def assert_fails(says, *arguments, folder="/"):
+    """The script prints one line with these words."""
+    done = run(*arguments, folder=folder, code=None)
+    assert done.returncode != 0 and done.stdout == "" and says in done.stderr, done.stderr
+    assert done.stderr.count("\n") == 1, done.stderr
 
 
 @pytest.mark.parametrize("name", ["step.npz", "columns.h5", "columns.dat"])
 @pytest.mark.parametrize("out", ["found.npz", "found.h5"])
 def test_script(files, step, name, out):
     arrays, w, q = step
-    ended = run(files / name, "--solver", "nesterov", "--tolerance", "1e-5", "--max-iterations",
-                "5000", "--out", files / out)
-    assert ended.returncode == 0 and ended.stderr == "", ended.stderr
-    report = json.loads(ended.stdout)
+    done = run(files / name, "--solver", "nesterov", "--tolerance", "1e-5", "--max-iterations",
+               "5000", "--out", files / out)
+    assert done.stderr == ""
+    report = json.loads(done.stdout)
     assert list(report) == ["solver", "contacts", "iterations", "residual", "converged", "seconds"]
     assert report["converged"] is True
     with np.load(files / out) if out.endswith("npz") else h5py.File(files / out) as file:
@@ -272,7 +269,7 @@ def test_script(files, step, name, out):
 
 
 def test_the_script_prints_its_options():
-    assert run("--help").returncode == 0
+    run("--help")
 
 
 @pytest.mark.parametrize("arguments, says", [
@@ -298,9 +295,7 @@ def test_script_refuses_in_a_line_and_loses_nothing(files, arguments, says):
     (files / "link.npz").symlink_to("step.npz")
     (files / "folder.npz").mkdir()
     names, before = sorted(files.iterdir()), (files / "step.npz").read_bytes()
-    ended = run(*arguments.split(), folder=files)
-    assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr, ended.stderr
-    assert ended.stderr.count("\n") == 1, ended.stderr
+    assert_fails(says, *arguments.split(), folder=files)
     assert sorted(files.iterdir()) == names and (files / "step.npz").read_bytes() == before
 
 
@@ -308,13 +303,18 @@ def test_numbers_beyond_doubles_are_no_result(files, step):
     """JSON has no number for a residual that is not finite."""
     arrays = dict(step[0], im=step[0]["im"] * 1e300, vfree=step[0]["vfree"] * 1e300)
     np.savez(files / "huge.npz", **arrays)
-    ended = run(files / "huge.npz", "--solver", "nlgs", "--out", files / "o.npz")
-    assert ended.returncode != 0 and ended.stdout == ""
-    assert ended.stderr.count("\n") == 1 and "not finite" in ended.stderr
+    assert_fails("not finite", files / "huge.npz", "--solver", "nlgs", "--out", files / "o.npz")
     assert not (files / "o.npz").exists()
 
 
-# --- values from Python ---------------------------------------------------------------------------
+# --- values from Python: they give a finite result, or one ValueError of one line
+
+@contextlib.contextmanager
+def errors_of_one_line():
+    try:
+        yield
+    except ValueError as error:
+        assert "\n" not in str(error)
 
 
 SCALARS = st.one_of(
@@ -332,15 +332,11 @@ def one_contact(**changes):
 @hypothesis.given(tolerance=SCALARS, max_iterations=SCALARS,
                   solver=st.one_of(SCALARS, st.sampled_from(SOLVERS)))
 def test_settings_are_checked(tolerance, max_iterations, solver):
-    """Any values give a solution, or one ValueError of one line."""
     # a tolerance of 0 runs all iterations
     hypothesis.assume(not (isinstance(max_iterations, int) and max_iterations > 10**4
                            and tolerance == 0))
-    try:
+    with errors_of_one_line():
         found = solve(problems.BodyProblem(**one_contact()), solver, tolerance, max_iterations)
-    except ValueError as error:
-        assert "\n" not in str(error)
-    else:
         assert found.residual >= 0 and np.isfinite(found.reaction).all()
 
 
@@ -351,13 +347,10 @@ def test_settings_are_checked(tolerance, max_iterations, solver):
                     hnp.arrays(hnp.scalar_dtypes(), hnp.array_shapes(max_dims=3, max_side=3))),
 )
 def test_arrays_of_a_problem_are_checked(name, value):
-    """Any values give a finite problem that is solved, or one ValueError of one line."""
-    try:
+    with errors_of_one_line():
         problem = problems.BodyProblem(**one_contact(**{name: value}))
         assert all(np.isfinite(array).all() for array in vars(problem).values())
         solve(problem, "nlgs", 1e-4, 10)
-    except ValueError as error:
-        assert "\n" not in str(error)
 
 
 @hypothesis.given(
@@ -368,23 +361,20 @@ def test_arrays_of_a_problem_are_checked(name, value):
     impulse=st.one_of(st.none(), SCALARS, st.lists(SCALARS, max_size=4)),
 )
 def test_w_and_q_are_checked(entries, q, friction, impulse):
-    try:
+    with errors_of_one_line():
         problem = problems.DelassusProblem(entries, q, friction, impulse)
         assert np.isfinite(problem.block).all() and np.isfinite(problem.q).all()
-    except ValueError as error:
-        assert "\n" not in str(error)
 
 
 def test_imaginary_parts_are_not_lost():
     for name in ("friction", "bias", "normal"):
-        with pytest.raises(ValueError, match=f"{name} does not hold numbers, but complex ones"):
-            problems.BodyProblem(**one_contact(**{name: np.array(one_contact()[name]) + 1j}))
-    with pytest.raises(ValueError, match="mu does not hold numbers, but complex"):
-        problems.DelassusProblem(([0], [0], [1.0]), [[1.0, 0]], [0.5 + 0j])
+        refused(f"{name} does not hold numbers, but complex ones", problems.BodyProblem,
+                **one_contact(**{name: np.array(one_contact()[name]) + 1j}))
+    refused("mu does not hold numbers, but complex", problems.DelassusProblem,
+            ([0], [0], [1.0]), [[1.0, 0]], [0.5 + 0j])
 
 
-# --- problems of others ---------------------------------------------------------------------------
-
+# --- problems of others
 
 @pytest.mark.parametrize("solver, tolerance",
                          [("nesterov", 1e-4), ("auto", 1e-8), ("exact", 1e-10)])

@@ -6,7 +6,6 @@ import os
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 
 import numpy as np
@@ -23,16 +22,16 @@ from rcr._pictures.outlines import polygons
 from rcr.study.claims.paper import MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run
 
+from common import ended, refused
 from synthetic import packing, polygon_areas, write_run
 
 SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
 
 
-def network_script(*arguments):
+def network_script(*arguments, code=0):
     """The script as this Python runs it; it must not look for another one."""
-    command = [sys.executable, SCRIPT, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=600,
-                          env=os.environ | {"YADE_RCR_WAY": "test"})
+    return ended(sys.executable, SCRIPT, *arguments, code=code,
+                 env=os.environ | {"YADE_RCR_WAY": "test"})
 
 
 @pytest.fixture(scope="module")
@@ -49,9 +48,7 @@ def result(folders):
 @pytest.fixture(scope="module")
 def written(folders, tmp_path_factory):
     out = tmp_path_factory.mktemp("out") / "new"
-    run = network_script(*folders, "--out", out)
-    assert run.returncode == 0, run.stderr
-    return out, run.stdout
+    return out, network_script(*folders, "--out", out).stdout
 
 
 @pytest.fixture
@@ -61,8 +58,8 @@ def out(written, tmp_path):
 
 def assert_refused(says, *arguments):
     """The script fails with one line."""
-    run = network_script(*arguments)
-    assert run.returncode == 1 and run.stdout == "" and says in run.stderr, run.stderr
+    run = network_script(*arguments, code=1)
+    assert run.stdout == "" and says in run.stderr, run.stderr
     assert run.stderr.startswith("network.py: ") and run.stderr.count("\n") == 1, run.stderr
 
 
@@ -109,37 +106,27 @@ def test_a_run_that_has_not_ended_is_told(out, folders, tmp_path):
     going = shutil.copytree(folders[0], tmp_path / "going")
     record = dict(program="biaxial.py", run="x", parameters=dict(eta=0.0, strain=0.7))
     (going / "run.json").write_text(json.dumps(record))
-    run = network_script(going, "--out", out)
-    assert run.returncode == 1
     assert (f"network.py: the run in {going} is not complete: its last network is at a strain of "
-            "0.4000, its end at 0.7\n") in run.stderr
+            "0.4000, its end at 0.7\n") in network_script(going, "--out", out, code=1).stderr
 
 
 @pytest.mark.slow
 def test_analysis_of_other_runs_takes_the_place_of_one(out, folders):
-    assert network_script(folders[0], "--out", out, "--overwrite").returncode == 0
+    network_script(folders[0], "--out", out, "--overwrite")
     assert not (out / "O6-eta-0.5.png").exists() and (out / "O6-eta-0.png").exists()
 
 
-def test_report_counts_missed_tolerances(folders):
+def test_report_counts_missed_tolerances_and_has_the_cost_of_the_tests(folders):
     """Shares of 1 and 3 % of two seeds, 2 and 4 times the tolerance: (1 × 2 + 3 × 4)/4 = 3.5."""
-    summaries = [dict(missed_fraction=0.01, missed_mean=2.0, missed_max=3.0),
-                 dict(missed_fraction=0.03, missed_mean=4.0, missed_max=9.0)]
-    runs = [Run.read(folders[1]) for _ in summaries]
+    runs = [Run.read(folders[1]) for _ in range(2)]
     assert report.unconverged_steps(runs).startswith("No summary.json counts")
-    for run, summary in zip(runs, summaries):
-        run.summary = summary
+    assert report.cost(runs) == "No summary.json has the cost of its test."
+    for run, share, mean, largest, minutes in zip(runs, (0.01, 0.03), (2.0, 4.0), (3.0, 9.0),
+                                                  (2, 3)):
+        run.summary = dict(missed_fraction=share, missed_mean=mean, missed_max=largest,
+                           wall_seconds=60.0 * minutes, peak_memory_bytes=minutes * 2**29)
     expected = "η = 0.5: 2.0 %, by a factor of 3.5 in the mean, 9 at most."
     assert expected in report.unconverged_steps(runs)
-
-
-def test_report_has_the_cost_of_the_tests(folders):
-    runs = [Run.read(folder) for folder in folders]
-    for run in runs:
-        run.summary = None
-    assert report.cost(runs) == "No summary.json has the cost of its test."
-    for run, minutes in zip(runs, (2, 3)):
-        run.summary = dict(wall_seconds=60.0 * minutes, peak_memory_bytes=minutes * 2**29)
     assert report.cost(runs) == (
         "The tests took 5.0 min of wall time in all and 3.0 min the longest one; their largest "
         "memory was 1.50 GiB.")
@@ -166,15 +153,13 @@ def test_records_and_snapshots_with_yielded_steps_are_left_out(folders, tmp_path
     assert f"{count}. Their records and snapshots count" in report.yielded_steps([whole])
     assert report.yielded_steps([Run.read(folders[1])]).startswith("No history counts")
     every = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "every")
-    with pytest.raises(ValueError, match="include them with --include-yielded"):
-        Run.read(every)
+    refused("include them with --include-yielded", Run.read, every)
 
 
 def test_script_includes_yielded_records_on_demand(folders, tmp_path):
     folder, new = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "marked"), tmp_path / "new"
     assert_refused("--include-yielded", folder, "--out", new)
-    run = network_script(folder, "--include-yielded", "--out", new)
-    assert run.returncode == 0, run.stderr
+    network_script(folder, "--include-yielded", "--out", new)
     assert "in 3 of 51 records" in (new / "report.html").read_text()
 
 
@@ -192,13 +177,10 @@ def test_script_refuses_bad_input(case, folders, tmp_path):
     assert not new.exists()
 
 
-def test_plots_draw_into_the_axes_given(result):
+def test_plots_draw_into_the_axes_given_and_read_the_file(result):
+    """analysis.json has null where the arrays have NaN."""
     ax = figures.plot_strength(result["O1"]["value"])
     assert isinstance(ax, Axes) and figures.plot_mobilization(result["O5"]["value"], ax) is ax
-
-
-def test_plots_read_the_file_as_well(result):
-    """analysis.json has null where the arrays have NaN."""
     again = json.loads(json.dumps(analysis.jsonable(result)))
     for observable in figures.FIGURES:
         assert figures.draw(observable, again).findobj(Axes), observable

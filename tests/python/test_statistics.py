@@ -74,7 +74,7 @@ def test_pearson():
     assert np.isnan(statistics.pearson(np.ones(5), x[:5]))
 
 
-def test_no_values_tell_nothing():
+def test_no_values_have_no_statistics():
     edges = np.array([0.0, 1, 2])
     assert np.isnan(statistics.density(np.zeros(0), edges)).all()
     assert np.isnan(statistics.bin_means(np.zeros(0), np.zeros(0), edges)).all()

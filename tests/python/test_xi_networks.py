@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from rcr.xi_networks import XiNetworks
 
+from common import refused
 from synthetic import random_network
 
 CUTOFFS = (0.0, 0.1, 0.5, 1.0, 1.7, 4.0, 50.0, np.inf)  # no force is above 50
@@ -42,22 +43,17 @@ def measures(partial, xi):
 
 @pytest.mark.parametrize("xi", CUTOFFS)
 def test_equals_the_loop_over_contacts(xi):
+    """X(ξ) by its definition, contact by contact; κ q(ξ)/p = half-sum + X(ξ)."""
     test = random_network(1000)
-    measured = measures(test.xi_networks(), xi)
+    partial = test.xi_networks()
+    measured = measures(partial, xi)
     assert measured == pytest.approx(by_loops(test, xi), abs=1e-12)
     direct = *test.anisotropies(xi), test.shear_stress_ratio(xi), np.trace(test.fabric(xi))
     assert direct == pytest.approx(measured, abs=1e-12)
-
-
-@pytest.mark.parametrize("xi", CUTOFFS)
-def test_half_sum_plus_cross_products_is_exact(xi):
-    """X(ξ) by its definition, contact by contact; κ q(ξ)/p = half-sum + X(ξ)."""
-    test = random_network(1000)
     n, _, branch, force = test.local_components()
     theta = np.arctan2(n[:, 1], n[:, 0]) - test.stress_angle()
     phi, lam = ((v[:, 0] + 1j * v[:, 1]) / v[:, 0].mean() - 1 for v in (force, branch))
     inside = force[:, 0] <= xi * force[:, 0].mean()
-    partial = test.xi_networks()
     crossed = (phi * lam * np.exp(2j * theta))[inside].sum().real / len(n)
     assert partial.cross_products(xi) == pytest.approx(crossed, abs=1e-12)
     factor = (force * branch).sum(axis=1).mean() / (force[:, 0].mean() * branch[:, 0].mean())
@@ -73,12 +69,8 @@ def test_all_cutoffs_at_once():
     assert not together[:, 0].any() and together[-1, -1] == 1
 
 
-def test_equal_forces_are_cut_together():
-    theta, ones = np.array([0.0, 1.0, 2.0]), np.ones(3, complex)
-    partial = XiNetworks(theta, ones, ones, np.array([1.0, 1.0, 1.0]))
-    assert partial.count(np.array([0.999, 1.0])).tolist() == [0, 3]
-
-
-def test_no_contacts_are_refused():
-    with pytest.raises(ValueError, match="no contacts"):
-        XiNetworks(np.zeros(0), np.zeros(0, complex), np.zeros(0, complex), np.zeros(0))
+def test_equal_forces_are_cut_together_and_no_contacts_are_refused():
+    of_equal = lambda count: XiNetworks(np.arange(count), *np.ones((2, count), complex),
+                                        np.ones(count))
+    assert of_equal(3).count(np.array([0.999, 1.0])).tolist() == [0, 3]
+    refused("no contacts", of_equal, 0)

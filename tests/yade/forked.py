@@ -3,10 +3,11 @@
 import os
 import runpy
 import signal
-import subprocess
 import sys
 import tempfile
 import types
+
+from common import ended
 
 SECONDS = 600  # only a hang takes them
 SCRIPTS = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", "scripts"))
@@ -55,24 +56,18 @@ def command(script, *arguments, before=""):
             *map(str, arguments)]
 
 
-def yade_script(script, *arguments, before="", code=0, **settings):
-    """CompletedProcess of `command`, which must return this code."""
-    ended = subprocess.run(command(script, *arguments, before=before), capture_output=True,
-                           text=True, timeout=SECONDS, **settings)
-    assert ended.returncode == code, ended.stderr
-    return ended
+def yade_script(script, *arguments, before="", **settings):
+    """`ended` of `command`."""
+    return ended(*command(script, *arguments, before=before), **settings)
 
 
 def program(folder, *command, name="yade", code=0):
-    """CompletedProcess of a program in a folder, which must return this code."""
-    ended = subprocess.run([name, *map(str, command)], capture_output=True, text=True,
-                           timeout=SECONDS, cwd=folder)
-    assert ended.returncode == code, ended.stdout + ended.stderr
-    return ended
+    """`ended` of a program in a folder."""
+    return ended(name, *command, cwd=folder, code=code)
 
 
-def complaint(ended):
+def complaint(done):
     """The one line on stderr of a script that failed."""
-    assert ended.returncode not in (0, 99) and ended.returncode > 0, ended.stderr
-    assert ended.stderr.count("\n") == 1 and ended.stdout == "", ended.stderr + ended.stdout
-    return ended.stderr.strip()
+    assert done.returncode not in (0, 99) and done.returncode > 0, done.stderr
+    assert done.stderr.count("\n") == 1 and done.stdout == "", done.stderr + done.stdout
+    return done.stderr.strip()

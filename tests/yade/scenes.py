@@ -1,15 +1,15 @@
 """Scenes for the tests: engines, bodies, and results."""
 
 import os
-import subprocess
 import sys
-import time
 
+import common
 import numpy as np
 import pytest
 import yade.utils  # before rcr, which loads its plugin into it
 import rcr
 from benchmarks.hard_scenes.stage import G, box, material, open_box, solver, stadium, tilted
+from common import refused, wait_until  # noqa: F401: for the tests
 from yade import O
 from yade.minieigenHP import Matrix3
 from yade.wrapper import (
@@ -18,6 +18,7 @@ from yade.wrapper import (
     NewtonIntegrator,
 )  # fmt: skip
 
+LAWS = pytest.mark.parametrize("law", ["rigid", "smooth"])
 ALL_IG2 = [name for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2_Planar_RcrGeom"]
 KN, KS = 1e6, 8e5  # of springs [N/m] a point
 # for closed forms: only rounding remains
@@ -121,6 +122,14 @@ def resting(law="rigid"):
     grain_on_floor(0.2, law=law, dt=1e-3 if law == "rigid" else 1e-5)
 
 
+def assert_reload_changes_nothing(path, run):
+    """After a reload, `run()` returns what it returned before."""
+    O.save(str(path), quiet=True)
+    first = run()
+    O.load(str(path), quiet=True)
+    assert run() == first
+
+
 def inertia(a, r, density=1000.0):
     """Mass and moment of inertia of a stadium."""
     body = stadium(a, r, (0, 0), material=material(density=density))
@@ -135,14 +144,6 @@ def steps(n):
 def iterations(n):
     """Iterations of each of the next n steps."""
     return [(O.step(), solver().iterations)[1] for _ in range(n)]
-
-
-def wait_until(condition, limit=60):
-    """Returns once the condition holds; fails after `limit` seconds, which only a hang takes."""
-    end = time.monotonic() + limit
-    while not condition():
-        assert time.monotonic() < end, "nothing happened"
-        time.sleep(0.005)
 
 
 def velocity(body_id):
@@ -188,17 +189,13 @@ def environment(**changes):
 
 def python(code, **changes):
     """Run code in another Python with changed environment variables: CompletedProcess."""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600,
-                          env=environment(**changes))
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done
+    return common.python(code, env=environment(**changes))
 
 
 def assert_refused(match, moved=False):
     """Take a step; it raises a ValueError with these words, and the scene stays as it was."""
     before = snapshot()[:, :13]
-    with pytest.raises(ValueError, match=match):
-        O.step()
+    refused(match, O.step)
     assert moved or np.array_equal(snapshot()[:, :13], before, equal_nan=True)
 
 

@@ -13,6 +13,7 @@ from rcr._pictures import grain_colors
 from rcr.export import KINDS, VtkSeries, vtk
 from rcr.frame import Frame
 
+from common import refused
 from synthetic import packing, polygon_areas
 
 
@@ -107,8 +108,7 @@ def test_index_names_the_three_files(tmp_path):
     parts = list(xml.parse(tmp_path / "pile.vtm").iter("DataSet"))
     assert [p.attrib["name"] for p in parts] == ["grains", "contacts", "obstacles"]
     assert [tmp_path / p.attrib["file"] for p in parts] == list(files)
-    with pytest.raises(ValueError, match="ends in .vtm"):
-        vtk(tmp_path / "pile.vtk", packing(0.5))
+    refused("ends in .vtm", vtk, tmp_path / "pile.vtk", packing(0.5))
 
 
 def test_a_scene_without_contacts_and_obstacles(tmp_path):
@@ -126,13 +126,11 @@ def test_a_failed_write_leaves_nothing(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(meshio, "write", stop)
-    with pytest.raises(KeyboardInterrupt):
-        vtk(tmp_path / "a.vtm", scene())
+    refused("", vtk, tmp_path / "a.vtm", scene(), error=KeyboardInterrupt)
     assert not list(tmp_path.iterdir())
 
 
-# --- series ---------------------------------------------------------------------------------------
-
+# --- series
 
 def test_series_grows_and_its_files_are_there(tmp_path):
     series = VtkSeries(tmp_path / "out")
@@ -154,14 +152,11 @@ def test_a_series_resumes_at_an_earlier_time(tmp_path):
 
 
 def test_a_series_rejects_files_out_of_order(tmp_path):
-    with pytest.raises(ValueError, match="time"):
-        VtkSeries(tmp_path).save(packing(0.5))
+    refused("time", VtkSeries(tmp_path).save, packing(0.5))
     (tmp_path / "scene.pvd").write_text("<VTKFile><Coll")
-    with pytest.raises(ValueError, match="not a series"):
-        VtkSeries(tmp_path).save(scene())
+    refused("not a series", VtkSeries(tmp_path).save, scene())
 
 
 def test_without_meshio_it_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "meshio", None)
-    with pytest.raises(ImportError, match="python3-meshio"):
-        export.vtk(tmp_path / "a.vtm", scene())
+    refused("python3-meshio", export.vtk, tmp_path / "a.vtm", scene(), error=ImportError)

@@ -3,8 +3,6 @@
 import multiprocessing
 import os
 import signal
-import subprocess
-import sys
 import time
 
 import h5py
@@ -14,6 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcr._data import files
 from rcr._data.files import atomic_path
+
+from common import python, refused
 
 
 @pytest.mark.parametrize("name", ["ä.txt", "ü" * 127], ids=["short", "longest"])
@@ -27,9 +27,6 @@ def test_writes_bytes_and_text(tmp_path, name):
     mask = os.umask(0)
     os.umask(mask)
     assert path.stat().st_mode & 0o777 == 0o666 & ~mask
-
-
-def test_a_link_is_kept(tmp_path):
     (tmp_path / "link").symlink_to("behind")
     files.write(tmp_path / "link", "x")
     assert (tmp_path / "link").is_symlink() and (tmp_path / "behind").read_text() == "x"
@@ -52,8 +49,7 @@ def test_an_unwritable_path_is_reported_at_the_start(tmp_path, path, error):
 
 @pytest.mark.parametrize("path", [0, None, "", "a\0b", 1.5])
 def test_no_path(path):
-    with pytest.raises(ValueError, match="expected a path"):
-        files.write(path, "x")
+    refused("expected a path", files.write, path, "x")
 
 
 def test_a_full_disk_loses_nothing(tmp_path):
@@ -66,8 +62,7 @@ from rcr._data import files
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 files.write(sys.argv[1], bytes(10**6))
 """
-    ended = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True)
-    assert ended.returncode == 1 and str(path) in ended.stderr.splitlines()[-1]
+    assert str(path) in python(code, path, code=1).stderr.splitlines()[-1]
     assert path.read_bytes() == b"old" and [p.name for p in tmp_path.iterdir()] == ["kept"]
 
 
@@ -138,7 +133,8 @@ def test_missing_files_and_folders_are_os_errors(tmp_path):
 
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
-def test_a_failed_write_leaves_the_old_file_alone(tmp_path, error):
+def test_a_failed_write_leaves_the_old_file_alone(tmp_path, error, monkeypatch):
+    """A later one replaces it, here by a relative path."""
     path = tmp_path / "file.txt"
     path.write_text("old")
     with pytest.raises(error), atomic_path(path) as partial:
@@ -146,13 +142,10 @@ def test_a_failed_write_leaves_the_old_file_alone(tmp_path, error):
             file.write("half")
         raise error
     assert path.read_text() == "old" and os.listdir(tmp_path) == ["file.txt"]
-
-
-def test_relative_paths(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with atomic_path("file.txt") as partial, open(partial, "w") as file:
         file.write("new")
-    assert (tmp_path / "file.txt").read_text() == "new" and os.listdir(tmp_path) == ["file.txt"]
+    assert path.read_text() == "new" and os.listdir(tmp_path) == ["file.txt"]
 
 
 def test_solve_does_without_h5py(tmp_path):
@@ -166,6 +159,4 @@ sys.modules["h5py"] = None  # as if it were not installed
 import rcr
 print(*rcr.solve({str(tmp_path / "p.npz")!r}).reaction[0])
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
-    assert [float(v) for v in done.stdout.split()] == pytest.approx([2, 0], abs=1e-3)
+    assert [float(v) for v in python(code).stdout.split()] == pytest.approx([2, 0], abs=1e-3)

@@ -12,6 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcr._data import files, results
 
+from common import python, refused
+
 PARAMETERS = dict(eta=0.5, seed=1, threads=1)
 MADE = ["data-*.txt", "summary.json", "checkpoint"]
 
@@ -46,11 +48,10 @@ def test_the_record(tmp_path):
 def test_another_run_is_refused_and_nothing_changes(tmp_path):
     make(tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    with pytest.raises(ValueError, match=r"eta = 0.5 \(here 0.4\), seed = 1 \(here 2\); choose "
-                       r"another --out, or remove it with --overwrite"):
-        make(tmp_path, dict(PARAMETERS, eta=0.4, seed=2))
-    with pytest.raises(ValueError, match="--resume: the run in .* has eta = 0.5"):
-        make(tmp_path, dict(PARAMETERS, eta=0.4), resume=True)
+    refused(r"eta = 0.5 \(here 0.4\), seed = 1 \(here 2\); choose another --out, or remove it with "
+            "--overwrite", make, tmp_path, dict(PARAMETERS, eta=0.4, seed=2))
+    refused("--resume: the run in .* has eta = 0.5", make, tmp_path, dict(PARAMETERS, eta=0.4),
+            resume=True)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
@@ -63,15 +64,13 @@ def test_overwrite_removes_the_files_of_the_old_run_only(tmp_path):
 
 def test_the_same_run_again(tmp_path):
     """A forgotten --resume or a repeated command loses nothing."""
-    make(tmp_path, files=("data-1.txt", "checkpoint", "summary.json"))
-    with pytest.raises(ValueError, match="holds this run, complete; continue it with --resume, or "
-                       "start again with --overwrite"):
-        make(tmp_path)
+    make(tmp_path)
+    refused("holds this run, complete; continue it with --resume, or start again with --overwrite",
+            make, tmp_path)
     assert names(tmp_path) == ["checkpoint", "data-1.txt", "run.json", "summary.json"]
     make(tmp_path, files=("checkpoint",), overwrite=True)
     assert names(tmp_path) == ["checkpoint", "run.json"]
-    with pytest.raises(ValueError, match="not complete; continue it with --resume, or start again"):
-        make(tmp_path)
+    refused("not complete; continue it with --resume, or start again", make, tmp_path)
     make(tmp_path, files=(), overwrite=True)
     make(tmp_path, files=("data-1.txt",))  # a run killed before its first checkpoint
     make(tmp_path)
@@ -101,25 +100,20 @@ def test_a_complete_run_that_resumes_is_not_complete(tmp_path):
 
 def test_results_of_nobody_or_of_another_script_are_kept(tmp_path):
     (tmp_path / "data-old.txt").touch()
-    with pytest.raises(ValueError, match="holds data-old.txt of an unknown run"):
-        make(tmp_path)
+    refused("holds data-old.txt of an unknown run", make, tmp_path)
     make(tmp_path, overwrite=True)
-    with pytest.raises(ValueError, match="holds results of test.py; choose another --out"):
-        with results.claim_folder(tmp_path, "other.py", {}, ["*"], overwrite=True):
-            pass
+    claim = results.claim_folder(tmp_path, "other.py", {}, ["*"], overwrite=True)
+    refused("holds results of test.py; choose another --out", claim.__enter__)
     assert "data-1.txt" in names(tmp_path)
 
 
 def test_parts_of_a_killed_process_go(tmp_path):
+    """Those of another process stay; `atomic_path` has its file in a hidden folder."""
     (tmp_path / ".part-x").touch()
     (tmp_path / ".part-folder").mkdir()
     with files.locked(tmp_path / ".part-of-another"):  # another process is writing it
         make(tmp_path, files=())
         assert names(tmp_path) == [".part-of-another", "run.json"]
-
-
-def test_a_file_that_another_process_writes_by_its_path_stays(tmp_path):
-    """The file of `atomic_path` is in a hidden folder, which only a killed process leaves."""
     with files.atomic_path(tmp_path / "picture.png") as partial:
         make(tmp_path, files=())
         with open(partial, "w") as file:
@@ -137,8 +131,7 @@ def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
                              stdout=subprocess.PIPE)
     assert other.stdout.readline() == b"in\n"
     for how in ({}, dict(resume=True), dict(overwrite=True)):
-        with pytest.raises(ValueError, match="another process is writing there"):
-            make(tmp_path, **how)
+        refused("another process is writing there", make, tmp_path, **how)
     other.kill()
     other.wait()
     make(tmp_path)
@@ -148,16 +141,13 @@ def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
                                   '{"program": "test.py"}', "\0" * 9, "[" * 100_000])
 def test_a_damaged_record_is_named(tmp_path, text):
     (tmp_path / "run.json").write_text(text)
-    with pytest.raises(ValueError, match="run.json: ") as error:
-        make(tmp_path)
-    assert "\n" not in str(error.value)
+    assert "\n" not in refused("run.json: ", make, tmp_path)
 
 
 def test_what_is_no_folder(tmp_path):
     (tmp_path / "file").touch()
     for path in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(OSError):
-            make(path)
+        refused("", make, path, error=OSError)
 
 
 @given(st.dictionaries(st.text(max_size=5),
@@ -189,6 +179,4 @@ def test_the_commit_of_another_repository_is_not_that_of_the_package(tmp_path):
         subprocess.check_call(["git", "-C", tmp_path, *words])
     variables = {name: value for name, value in os.environ.items() if name != "YADE_RCR_COMMIT"}
     code = "from rcr._data import results; print(results.commit())"
-    found = subprocess.check_output([sys.executable, "-c", code], text=True,
-                                    env=variables | {"PYTHONPATH": str(site)})
-    assert found == "unknown\n"
+    assert python(code, env=variables | {"PYTHONPATH": str(site)}).stdout == "unknown\n"

@@ -96,18 +96,11 @@ def test_block_on_a_slope_tips_over_its_lower_edge(kind, factor):
     assert velocity(block)[2] / DT == pytest.approx(expected, abs=1e-10 * G / r)
 
 
-def rough_rod(a, r, angle):
-    """A rod on one cap that does not slide; returns its id."""
-    rod, _ = floor_and_slope("wall", 0, (a, r, angle), 100.0)
-    O.bodies[rod].material.frictionAngle = math.atan(100)
-    return rod
-
-
 @pytest.mark.parametrize("angle", [0.2, 0.8, 1.5, math.pi / 2, 2.5])
 def test_rcr_starts_to_rock_about_its_contact(angle):
     """On one cap without sliding ω' = −m g x/(I + m (x² + y²)), (x, y) from contact to centre."""
     a, r = 0.4, 0.1
-    rod = rough_rod(a, r, angle)
+    rod = grain_on_floor(a, 100, r + a * math.sin(angle), angle)
     steps(1)
     m, I = inertia(a, r)
     x, y = a * math.cos(angle), r + a * math.sin(angle)
@@ -121,8 +114,7 @@ def test_rcr_rocks_and_keeps_its_energy():
     m, I = inertia(a, r)
     losses = []
     for dt in (1e-3, 5e-4):
-        rod = rough_rod(a, r, 1.2)
-        O.dt = dt
+        rod = grain_on_floor(a, 100, r + a * math.sin(1.2), 1.2, dt=dt)
         height = O.bodies[rod].state.pos[1]
         steps(round(0.2 / dt))
         v = velocity(rod)
@@ -168,35 +160,25 @@ def test_pyramid_of_three_discs(where, factor):
 
 
 @pytest.mark.parametrize("support", ["rcr", "box"])
-@pytest.mark.parametrize("shift", [0.0, 0.1, 0.25, 0.39])
-def test_eccentric_load_is_shared_by_the_lever_rule(support, shift):
-    """On its own end at s − a and the support's edge at a: N₁ = W (a − s)/(2a − s), N₂ = W − N₁."""
-    lower, upper = side_on_side(support, shift)
-    steps(20)
-    a, (m, _) = 0.4, inertia(0.4, 0.1)
-    expected = m * G / (2 * a - shift) * np.array([a - shift, a])
-    assert point_forces(lower, upper)[:, 0] == pytest.approx(expected, rel=1e-10)
-    assert velocity(upper) == pytest.approx(0, abs=STILL)
+@pytest.mark.parametrize("shift", [0.0, 0.1, 0.25, 0.39, 0.41, 0.5])
+def test_eccentric_load_is_shared_by_the_lever_rule_or_tips(support, shift):
+    """On its own end at s − a and the support's edge at a: N₁ = W (a − s)/(2a − s), N₂ = W − N₁.
 
-
-@pytest.mark.parametrize("support", ["rcr", "box"])
-@pytest.mark.parametrize("shift", [0.41, 0.5])
-def test_load_beyond_the_edge_tips(support, shift):
-    """s > a leaves one point at the edge: ω' = −m g x/(I + m (x² + r²)), x = s − a."""
-    lower, upper = side_on_side(support, shift, friction=100.0)
-    steps(1)
-    m, I = inertia(0.4, 0.1)
-    x = shift - 0.4
-    assert velocity(upper)[2] / DT == pytest.approx(-m * G * x / (I + m * (x * x + 0.1**2)),
-                                                    rel=1e-10)
-
-
-def side_on_side(support, shift, friction=0.5):
-    a, r = 0.4, 0.1
-    rough = material(friction)
+    s > a leaves one point at the edge: ω' = −m g x/(I + m (x² + r²)), x = s − a.
+    """
+    a, r, x = 0.4, 0.1, shift - 0.4
+    rough, (m, I) = material(100.0 if x > 0 else 0.5), inertia(a, r)
     below = (stadium(a, r, (0, -r), material=rough, fixed=True) if support == "rcr"
              else box((0, -0.3), (a, 0.3), material=rough))
-    return build(below, stadium(a, r, (shift, r), material=rough))
+    lower, upper = build(below, stadium(a, r, (shift, r), material=rough))
+    steps(1 if x > 0 else 20)
+    if x > 0:
+        expected = -m * G * x / (I + m * (x * x + r * r))
+        assert velocity(upper)[2] / DT == pytest.approx(expected, rel=1e-10)
+    else:
+        expected = m * G / (2 * a - shift) * np.array([a - shift, a])
+        assert point_forces(lower, upper)[:, 0] == pytest.approx(expected, rel=1e-10)
+        assert velocity(upper) == pytest.approx(0, abs=STILL)
 
 
 def test_zigzag_column_presses_like_a_fluid():

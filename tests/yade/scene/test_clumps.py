@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import (G, build, insert, material, set_state, solver, springy, stadium, steps,
-                    velocity, walls)
+from scenes import (G, LAWS, assert_reload_changes_nothing, build, insert, material, refused,
+                    set_state, solver, springy, stadium, steps, velocity, walls)
 from yade import O
 from yade.wrapper import ForceEngine
 
@@ -25,7 +25,8 @@ def glued(grain, angle, count, **options):
                      **options)[0]
 
 
-def test_mass_and_inertia_of_two_discs():
+def test_mass_and_inertia():
+    """Overlaps count once: discs along the core of an Rcr approach its values from below."""
     build()
     clump, members = two_discs((1, 2), 0.3, material(density=2000))
     s, disc = O.bodies[clump].state, 2000 * math.pi * 0.01
@@ -33,11 +34,6 @@ def test_mass_and_inertia_of_two_discs():
     assert s.mass == pytest.approx(2 * disc, rel=1e-5)
     assert s.inertia[2] == pytest.approx(2 * (disc * 0.01 / 2 + disc * 0.01), rel=1e-5)
     assert len(members) == 2 and all(O.bodies[i].isClumpMember for i in members)
-
-
-def test_union_of_overlapping_members_is_counted_once():
-    """Discs side by side along the core of an Rcr approach its area and moment from below."""
-    build()
     grain = rcr.particle((0, 0), 0.3, 0.6, angle=0.4, material=material())
     s = O.bodies[glued(grain, 0.4, 60)].state
     assert s.mass == pytest.approx(grain.state.mass, rel=1e-3)
@@ -66,7 +62,7 @@ def test_falls_freely():
     assert ((O.bodies[one].state.pos + O.bodies[two].state.pos) / 2 - s.pos).norm() < 1e-12
 
 
-@pytest.mark.parametrize("law", ["rigid", "smooth"])
+@LAWS
 def test_an_upright_pair_topples_over_its_lower_disc(law):
     """Tilted, without slip: while the lower disc rolls, ½ m v² + ½ I ω² = m g (h₀ − h)."""
     m, tilt = springy(friction=1.2, young=1e8), 0.2
@@ -115,7 +111,7 @@ def test_forces_on_members_are_loads_of_the_clump():
 
 def test_a_pile_of_clumps_rests_and_reloads_to_the_same_bits(tmp_path):
     m = material()
-    build(rcr.wall("y", 0, material=m), rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m))
+    build(*walls(m, x=(-1, 1), y=[0]))
     rng = np.random.default_rng(1)
     for k in range(20):
         at = np.array([-0.6 + 0.4 * (k % 4), 0.2 + 0.4 * (k // 4)])
@@ -126,11 +122,8 @@ def test_a_pile_of_clumps_rests_and_reloads_to_the_same_bits(tmp_path):
                        for _ in range(2)])
     steps(2500)
     assert max(b.state.vel.norm() for b in O.bodies if b.isClump) < 5e-3
-    O.save(str(tmp_path / "pile.yade"))
-    after = lambda: (steps(10), [tuple(b.state.pos) for b in O.bodies])
-    first = after()
-    O.load(str(tmp_path / "pile.yade"))
-    assert after() == first
+    assert_reload_changes_nothing(tmp_path / "pile.yade", lambda: (
+        steps(10), [tuple(b.state.pos) for b in O.bodies]))
 
 
 @pytest.mark.parametrize("seed", [15, 19, 43, 62])
@@ -152,6 +145,6 @@ def test_fast_crosses_do_not_pass_through_each_other(seed):
                                      dict(angular_velocity=1.0)])
 def test_members_that_are_fixed_or_move_are_refused(options):
     O.reset()
-    with pytest.raises(ValueError, match=r"members\[1\] is fixed or moves"):
-        rcr.clump([rcr.disc((0, 0), 0.1), rcr.disc((0.2, 0), 0.1, **options)])
+    refused(r"members\[1\] is fixed or moves", rcr.clump,
+            [rcr.disc((0, 0), 0.1), rcr.disc((0.2, 0), 0.1, **options)])
     assert len(O.bodies) == 0

@@ -72,25 +72,18 @@ def test_facet_turned_as_a_slope():
     assert O.bodies[grain].state.vel[0] == pytest.approx(G / 2 * 0.2, rel=1e-6)
 
 
-def test_fast_free_disc_does_not_tunnel():
+def test_fast_free_discs_and_spinning_boxes_do_not_tunnel():
+    """The functor of stock spheres is replaced by one that looks ahead."""
     _, disc = build(FLOORS["Box"](material()), rcr.disc((0, 5), 0.1, velocity=(0, -400)))
     steps(40)
     assert O.bodies[disc].state.pos[1] > 0.09
-
-
-def test_spinning_box_meets_what_it_sweeps():
+    functors = [type(f).__name__ for f in O.engines[1].boundDispatcher.functors]
+    assert functors.count("Bo1_Disc_Aabb") == 1
     box = utils.box((0, 0, 0), (1, 0.1, 1), material=material(), fixed=True)
     box.state.angVel = (0, 0, 20)
     _, disc = build(box, rcr.disc((0.8, 0.5), 0.1), gravity=(0, 0, 0), dt=5e-3)
     steps(40)
     assert O.bodies[disc].state.vel.norm() > 5
-
-
-def test_bound_of_a_stock_sphere_functor_looks_ahead():
-    build(FLOORS["Wall"](material()), rcr.disc((0, 0.1), 0.1))
-    O.step()
-    functors = [type(f).__name__ for f in O.engines[1].boundDispatcher.functors]
-    assert functors.count("Bo1_Disc_Aabb") == 1
 
 
 @pytest.mark.parametrize("start, end", [((0, 0), (1, 0)), ((-0.3, 0.25, 0.5), (-0.05, 0, 0.5)),
@@ -117,29 +110,17 @@ def test_a_rod_that_slides_off_a_box_stays_on_its_corner(speed):
         assert min(gaps(), default=0) > -0.02 * R
 
 
-def disc_on_disc(height, velocity):
-    """A disc of R = 0.1 above a fixed one of R = 1, without friction; returns its id."""
-    return build(rcr.disc((0, 0), 1, fixed=True, material=material(0)),
-                 rcr.disc((0, height), 0.1, velocity=velocity, material=material(0)), dt=1e-2)[1]
-
-
-def test_a_loaded_sliding_disc_needs_one_solve_a_step():
-    """Its path of 1 % of ρ a step curves by half a slop, which needs no second solve."""
-    disc = disc_on_disc(1.1, (1.15, 0))
-    sweeps = iterations(8)
-    gap = np.linalg.norm(O.bodies[disc].state.pos) - 1.1
-    assert abs(gap) < 1.1e-4 and O.forces.f(disc)[1] > 0, "it bears, and stays within the slop"
-    assert sweeps[1:] == [1] * 7
-
-
-def test_a_disc_that_arrives_obliquely_needs_one_solve():
-    """It closes a gap of 0.02 R to 1e-4 R, by which its path curves: no second solve."""
-    disc = disc_on_disc(1.12, (1.5, -2.5))
-    O.step()
-    assert solver().iterations == 1
-    steps(2)
-    gap = np.linalg.norm(O.bodies[disc].state.pos) - 1.1
-    assert abs(gap) < 1.1e-4 and velocity(disc)[1] > -0.2, "it has arrived"
+@pytest.mark.parametrize("height, start, count, first, alone", [
+    pytest.param(1.1, (1.15, 0), 8, 1, 7, id="slides loaded, by 1 % of ρ and half a slop a step"),
+    pytest.param(1.12, (1.5, -2.5), 3, 0, 1, id="arrives obliquely across 0.02 R"),
+])
+def test_a_disc_on_a_curved_path_needs_one_solve_a_step(height, start, count, first, alone):
+    """A disc of R = 0.1 on a fixed one of R = 1, without friction: it stays within the slop."""
+    _, disc = build(rcr.disc((0, 0), 1, fixed=True, material=material(0)),
+                    rcr.disc((0, height), 0.1, velocity=start, material=material(0)), dt=1e-2)
+    assert iterations(count)[first : first + alone] == [1] * alone
+    assert abs(np.linalg.norm(O.bodies[disc].state.pos) - 1.1) < 1.1e-4
+    assert O.forces.f(disc)[1] > 0 if height == 1.1 else velocity(disc)[1] > -0.2
 
 
 @pytest.mark.parametrize("restitution", [0.01, 0.5, 1])

@@ -5,7 +5,7 @@ from functools import partial
 import forked
 import pytest
 from rcr.study.biaxial import Biaxial
-from stand_ins import rows_of
+from common import rows_of
 
 bench = partial(forked.yade_script, "bench_step.py")
 ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress",

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 
 import pytest
+from common import ended
 from forked import SCRIPTS
 from run_contents import campaign_contents, different, start_until_written
 
@@ -19,15 +20,15 @@ needs_snakemake = pytest.mark.skipif(
     reason="needs the environment of scripts/test and the optional package snakemake")
 
 
-def campaign(out, *arguments, fails=False):
-    command = [CAMPAIGN, "--out", str(out), *arguments]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=1800)
-    assert bool(ended.returncode) == fails, ended.stderr
-    return ended
+def campaign(out, *arguments):
+    return ended(CAMPAIGN, "--out", out, *arguments, timeout=1800)
 
 
-def last_line(ended):
-    return ended.stderr.strip().splitlines()[-1]
+def complaint(out, *arguments):
+    """The last line on stderr of a campaign that fails."""
+    done = ended(CAMPAIGN, "--out", out, *arguments, code=None)
+    assert done.returncode, done.stdout
+    return done.stderr.strip().splitlines()[-1]
 
 
 @pytest.mark.slow
@@ -55,9 +56,8 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
 @needs_snakemake
 def test_quick_is_the_study_in_small(tmp_path):
     """Three elongations and a report whose verdicts are grey, since the tests are small."""
-    command = [CAMPAIGN, "--quick", "--particles", "60", "--strain", "0.02"]
-    printed = subprocess.check_output(command, cwd=tmp_path, text=True)
-    assert printed.startswith("out/quick/report/report.html")
+    done = ended(CAMPAIGN, "--quick", "--particles", "60", "--strain", "0.02", cwd=tmp_path)
+    assert done.stdout.startswith("out/quick/report/report.html")
     names = {folder.name.partition("-eta-")[2] for folder in tmp_path.glob("out/quick/runs/*")}
     assert names == {"0-seed-1", "0.4-seed-1", "0.7-seed-1"}
     page = (tmp_path / "out/quick/report/report.html").read_text()
@@ -67,7 +67,7 @@ def test_quick_is_the_study_in_small(tmp_path):
 
 @needs_snakemake
 def test_the_default_folder_is_out_campaign(tmp_path):
-    subprocess.check_call([CAMPAIGN, *SMALL, "--", "--dry-run"], cwd=tmp_path)
+    ended(CAMPAIGN, *SMALL, "--", "--dry-run", cwd=tmp_path)
     assert (tmp_path / "out" / "campaign").is_dir()
 
 
@@ -89,8 +89,7 @@ def test_options_reach_the_tests(options, expected, tmp_path):
 @needs_snakemake
 def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
     out = tmp_path / "out"
-    line = last_line(campaign(out, *SMALL, "--seeds", *"123456789", "--strain", "0.0005",
-                              fails=True))
+    line = complaint(out, *SMALL, "--seeds", *"123456789", "--strain", "0.0005")
     for seed in range(1, 10):
         log = out / "runs" / f"particles-60-strain-0.0005-eta-0.5-seed-{seed}" / "log"
         assert f"{log}: biaxial.py: --strain 0.0005: expected at least 0.001" in line
@@ -102,8 +101,8 @@ def test_the_last_line_leaves_out_other_campaigns_of_the_folder(tmp_path):
     for name in "runs/particles-60-strain-0.3-eta-0.5-seed-2", "report":
         (tmp_path / name).mkdir(parents=True)
         (tmp_path / name / "log").write_text("an earlier campaign")
-    ended = campaign(tmp_path, *SMALL, "--", "--unknown-option", fails=True)
-    assert last_line(ended).startswith("campaign.py: not complete, see above; continue with")
+    line = complaint(tmp_path, *SMALL, "--", "--unknown-option")
+    assert line.startswith("campaign.py: not complete, see above; continue with")
 
 
 @needs_environment
@@ -123,7 +122,7 @@ def test_the_last_line_leaves_out_other_campaigns_of_the_folder(tmp_path):
     ("--out=", "--out '': expected a path"),
 ])  # fmt: skip
 def test_refuses_bad_input(arguments, message, tmp_path):
-    assert last_line(campaign(tmp_path / "out", *arguments.split(), fails=True)).endswith(message)
+    assert complaint(tmp_path / "out", *arguments.split()).endswith(message)
     assert not (tmp_path / "out").exists()
 
 
@@ -137,9 +136,9 @@ def test_the_clone_may_have_spaces_in_its_path(tmp_path):
     (scripts / "network.py").write_text("#!/bin/sh\ncd report\ntouch analysis.json report.html\n")
     for path in scripts.iterdir():
         path.chmod(0o755)
-    subprocess.check_call([
-        "snakemake", "--snakefile", scripts / "lib" / "campaign.smk", "--directory", out, "--cores",
-        "1", "--quiet", "--config", "particles=60", "strain=0.04", "etas=0.5", "seeds=2"])
+    ended("snakemake", "--snakefile", scripts / "lib" / "campaign.smk", "--directory", out,
+          "--cores", "1", "--quiet", "--config", "particles=60", "strain=0.04", "etas=0.5",
+          "seeds=2")
     assert (out / "report" / "report.html").exists()
 
 

@@ -12,7 +12,7 @@ from benchmarks import chart, charts
 from benchmarks.charts import biaxial_cost, deterministic, one_step, quasi_static
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
-from stand_ins import answer
+from common import answer, refused
 from yade import O
 
 OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
@@ -34,8 +34,8 @@ def test_a_table_resumes_where_it_stopped(tmp_path):
 
 
 def test_rows_of_other_settings_are_other_rows(tmp_path):
-    """A quick run and a full one share a file without mixing rows."""
-    path = str(tmp_path / "t.csv")
+    """A quick run and a full one share a file; rows of another protocol are replaced."""
+    path, other = str(tmp_path / "t.csv"), str(tmp_path / "other.csv")
     for settings, x in (("quick = True", 1.0), ("quick = False", 2.0)):
         table = charts.Table(path, ["x"], settings)
         assert not table.has("a/1") and table.rows == []
@@ -44,15 +44,11 @@ def test_rows_of_other_settings_are_other_rows(tmp_path):
     assert charts.settings("c", OPTIONS).startswith("quick = True, particles = 50, protocol = ")
     full = dataclasses.replace(OPTIONS, quick=False)
     assert charts.settings("a", OPTIONS) != charts.settings("a", full)
-
-
-def test_rows_of_another_protocol_are_replaced(tmp_path):
-    path = str(tmp_path / "t.csv")
     for protocol in "", ", protocol = a", ", protocol = b":
-        table = charts.Table(path, ["x"], "quick = True" + protocol)
+        table = charts.Table(other, ["x"], "quick = True" + protocol)
         assert not table.rows
         table.put("a/1", [dict(point="a/1", status="ok", x=1.0)])
-    assert len(charts.Table(path, ["x"]).all) == 1
+    assert len(charts.Table(other, ["x"]).all) == 1
 
 
 @pytest.mark.parametrize("content", ["", "x\n1\n", "point,status\na\n", 'point,status\n"a',
@@ -60,9 +56,7 @@ def test_rows_of_another_protocol_are_replaced(tmp_path):
 def test_damaged_tables_are_named(tmp_path, content):
     path = tmp_path / "t.csv"
     path.write_bytes(content.encode() if isinstance(content, str) else content)
-    with pytest.raises(ValueError, match="t.csv: ") as error:
-        charts.Table(str(path), ["x"])
-    assert "\n" not in str(error.value)
+    assert "\n" not in refused("t.csv: ", charts.Table, str(path), ["x"])
 
 
 def test_a_point_of_one_step_runs(tmp_path):

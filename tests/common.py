@@ -1,0 +1,49 @@
+"""Parts of tests: refusals, processes, waiting, stand-ins for other programs and their tables."""
+
+import csv
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+
+
+def refused(says, call, *arguments, error=ValueError, **options):
+    """The message of the error that this call raises; it matches the pattern `says`."""
+    with pytest.raises(error, match=says) as raised:
+        call(*arguments, **options)
+    return str(raised.value)
+
+
+def ended(*command, code=0, **settings):
+    """CompletedProcess of a command, which must return this code; None allows any code."""
+    settings = dict(capture_output=True, text=True, timeout=600) | settings
+    done = subprocess.run(list(map(str, command)), **settings)
+    assert code in (None, done.returncode), f"{done.stdout}{done.stderr}"
+    return done
+
+
+def python(code, *arguments, **settings):
+    """`ended` of Python code."""
+    return ended(sys.executable, "-c", code, *arguments, **settings)
+
+
+def wait_until(condition, limit=60):
+    """Returns once the condition holds; fails after `limit` seconds, which only a hang takes."""
+    end = time.monotonic() + limit
+    while not condition():
+        assert time.monotonic() < end, "nothing happened"
+        time.sleep(0.005)
+
+
+def rows_of(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def answer(path, **outcome):
+    """A program that prints a line, and the outcome as JSON."""
+    path.write_text(f"#!/bin/sh\necho a line of its own\necho '{json.dumps(outcome)}'\n")
+    path.chmod(0o755)
+    return path
