@@ -24,7 +24,7 @@ def ended(*command, code=0, **settings):
     return done
 
 
-def python(code, *arguments, **settings):
+def python(code, /, *arguments, **settings):
     """`ended` of Python code."""
     return ended(sys.executable, "-c", code, *arguments, **settings)
 

@@ -4,9 +4,9 @@ import os
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 
+import common
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
@@ -19,16 +19,14 @@ needs_build = pytest.mark.skipif(
 
 
 def cmake(*arguments, **environment):
-    return subprocess.run(["cmake", *map(str, arguments)], check=True, capture_output=True,
-                          text=True, timeout=120, env=os.environ | environment).stdout
+    return common.ended("cmake", *arguments, env=os.environ | environment).stdout
 
 
-def python(code, folder, *path):
+def python(code, folder, *path, returncode=0):
+    """stdout and stderr of Python code in a folder, with this path of modules."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, path))}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60,
-                          cwd=folder, env=environment)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    done = common.python(code, cwd=folder, env=environment, code=returncode)
+    return done.stdout + done.stderr
 
 
 @needs_build
@@ -125,7 +123,5 @@ def test_without_its_plugin_rcr_says_so_to_yade(tmp_path):
     shutil.copytree(ROOT / "py" / "rcr", tmp_path / "rcr",
                     ignore=shutil.ignore_patterns("*.so", "__pycache__"))
     code = "import sys, types; sys.modules['yade'] = types.ModuleType('yade'); import rcr"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60,
-                          env={**os.environ, "PYTHONPATH": str(tmp_path)})
-    assert done.returncode
-    assert "has no plugin for YADE, only the analysis; run scripts/yade-rcr" in done.stderr
+    assert ("has no plugin for YADE, only the analysis; run scripts/yade-rcr"
+            in python(code, tmp_path, tmp_path, returncode=1))

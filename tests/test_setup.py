@@ -10,10 +10,10 @@ import re
 import shutil
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
+from common import wait_until
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep
@@ -34,13 +34,6 @@ tar -c -C $work .
 
 def last_line(errors):
     return errors.strip().splitlines()[-1]
-
-
-def wait_for(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.01)
 
 
 class Machine:
@@ -167,13 +160,13 @@ def two_at_once(machine, code, tool, work, until, **environment):
     machine.command(tool, f"{work}\nuntil [ -e {end} ]; do sleep 0.01; done")
     processes = [machine.start(code, **environment) for _ in range(2)]
     try:
-        wait_for(lambda: until(machine.called("flock")))
+        wait_until(lambda: until(machine.called("flock")))
     finally:
         end.touch()
     return [process.communicate(timeout=60) for process in processes]
 
 
-# Machines that lack something: one line that says what to do, and a non-zero exit.
+# Machines that lack something: one line that says what to do
 
 def test_a_user_whose_system_has_yade_sees_the_missing_packages(machine):
     machine.offers("2025.2.0-1")
@@ -286,16 +279,13 @@ def test_native_keeps_the_headers_when_a_package_is_reinstalled(machine):
     machine.assert_sets_up("native")
 
 
-def test_native_without_the_archive_takes_a_root_file_system(machine):
+def test_without_the_archive_or_with_an_older_yade_a_root_file_system_is_taken(machine):
     machine.installed()
     machine.root_tools()
     assert "source archive" in machine.assert_sets_up("rootfs")
-
-
-def test_an_older_yade_is_not_used(machine):
     machine.installed("2021.01a-4")
     machine.archive("2021.01a")
-    machine.root_tools()
+    shutil.rmtree(machine.roots()[0])
     machine.assert_sets_up("rootfs")
 
 
@@ -316,10 +306,6 @@ def test_headers_that_the_user_names_are_used(machine):
     machine.succeeds("ready; echo $way; native_source", f"native\n{machine.path}\n",
                      YADE_SOURCE_DIR=str(machine.path))
     assert not machine.called("apt-get")
-
-
-def test_a_wrong_folder_of_headers_is_refused(machine):
-    machine.installed()
     assert "none has no core/Scene.hpp" in machine.refuses(YADE_SOURCE_DIR=f"{machine.path}/none")
 
 
@@ -337,15 +323,18 @@ def test_without_headers_no_package_is_installed(machine):
 
 def interrupted(machine, number):
     """Exit code of a set-up that gets this signal while it makes a root file system."""
+    machine.calls.write_text("")
     machine.bare("exec sleep 60")
     process = machine.start("ready")
-    wait_for(lambda: machine.called("mmdebstrap"))
+    wait_until(lambda: machine.called("mmdebstrap"))
     os.killpg(process.pid, number)
     process.communicate(timeout=60)
     return process.returncode
 
 
 def test_a_root_file_system_is_complete_or_not_there(machine):
+    assert interrupted(machine, signal.SIGINT) == 130
+    assert [file.name for file in machine.cache.iterdir()] == ["log"]
     interrupted(machine, signal.SIGKILL)
     assert not machine.roots()
     assert list(machine.cache.glob("new.*")), "the interrupted one's leftovers"
@@ -353,11 +342,6 @@ def test_a_root_file_system_is_complete_or_not_there(machine):
     machine.assert_sets_up("rootfs")
     assert len(machine.roots()) == 1 and not list(machine.cache.glob("new.*"))
     shutil.rmtree(machine.roots()[0])  # belongs to the user, so this is all it takes
-
-
-def test_ctrl_c_leaves_nothing(machine):
-    assert interrupted(machine, signal.SIGINT) == 130
-    assert [file.name for file in machine.cache.iterdir()] == ["log"]
 
 
 def test_a_changed_package_list_makes_another_root(machine):
@@ -410,10 +394,7 @@ END""")
         "deb http://three/debian/ trixie main",
         "",
     ], errors
-
-
-def test_a_system_that_is_not_debian_uses_the_default_mirror(machine):
-    (machine.etc / "os-release").write_text("ID=ubuntu\nVERSION_CODENAME=noble\n")
+    (machine.etc / "os-release").write_text("ID=ubuntu\nVERSION_CODENAME=noble\n")  # no Debian
     machine.command("apt-get", "echo noble main http://ubuntu/")
     assert machine.run("rootfs_mirrors")[1] == "\n"
 
@@ -445,11 +426,14 @@ def entered(machine):
 
 
 def test_every_directory_of_the_machine_is_there_but_usr_and_etc(entered):
+    """A bind keeps the files of the root, also beside a mount point, /usr/include/linux."""
     call, bound = entered("python3", "scene.py")
     own = {"/usr", "/etc", "/bin"}  # of the small root
     assert bound >= {str(path) for path in Path("/").iterdir() if path.is_dir()} - own
     assert not bound & own
     assert call[-2:] == ["python3", "scene.py"]
+    entered("python3", "/usr/include/linux/types.h")
+    assert "/usr/include" in entered("python3", "/usr/include/stdio.h")[1]
 
 
 @pytest.mark.parametrize("arguments, path, is_bound", [
@@ -474,19 +458,6 @@ def test_an_argument_that_does_not_exist_is_left_to_the_command(entered, argumen
     assert entered("python3", arguments)[0][-1] == last
 
 
-def test_a_bind_keeps_the_files_of_the_root(entered):
-    # a mount point: /usr/include/linux
-    entered("python3", "/usr/include/linux/types.h")
-    assert "/usr/include" in entered("python3", "/usr/include/stdio.h")[1]
-
-
-def test_without_home_a_directory_in_the_cache_is_home(machine):
-    """YADE fails without HOME."""
-    machine.succeeds("ready; enter sh -c 'echo $HOME'", f"{machine.cache}/home\n",
-                     YADE_RCR_WAY="native", HOME="")
-    assert (machine.cache / "home").is_dir()
-
-
 def test_each_stage_of_the_set_up_prints_its_duration(machine):
     machine.bare('echo "yade-rcr: set-up 2/3: packages (1 min) …" >&2; sleep 1' + SMALL_ROOT)
     assert re.fullmatch(r"yade-rcr: set-up 1/3: .*\nyade-rcr: set-up 1/3 took \d+ s\n"
@@ -495,11 +466,13 @@ def test_each_stage_of_the_set_up_prints_its_duration(machine):
 
 
 def test_inside_it_nothing_is_entered_again(machine):
+    """YADE fails without HOME: a directory in the cache takes its place."""
     (machine.cache / "root").mkdir(parents=True)
     way = dict(YADE_RCR_WAY="native")
     code, output, errors = machine.run("ready; enter sh -c 'echo $PYTHONPATH'", **way)
     assert code == 0 and output.startswith(f"{machine.repo}/py:"), errors
-    assert not machine.called("bwrap")
+    machine.succeeds("ready; enter sh -c 'echo $HOME'", f"{machine.cache}/home\n", **way, HOME="")
+    assert (machine.cache / "home").is_dir() and not machine.called("bwrap")
 
 
 # Packages: an index that names files the mirror does not have
@@ -541,21 +514,17 @@ def build(machine, cmake, yade="2025.2.0"):
     return machine.run("ready; build", YADE_RCR_WAY="native")
 
 
-def test_a_failed_build_shows_everything(machine):
+def test_failed_configurations_and_builds_show_everything_and_are_done_again(machine):
+    code, _, errors = build(machine, 'echo "CMake Error: no pybind11"; exit 1')
+    assert code != 0 and "no pybind11" in errors
     code, _, errors = build(machine, 'case $1 in --build) echo "[1/2] CXX a.cpp"; echo '
                             '"a.cpp:1: error: x"; exit 1 ;; esac')
     assert code != 0 and "error: x" in errors and "the build failed" in last_line(errors)
-
-
-def test_a_failed_configuration_is_done_again(machine):
-    code, _, errors = build(machine, 'echo "CMake Error: no pybind11"; exit 1')
-    assert code != 0 and "no pybind11" in errors
-    assert build(machine, "exit 0")[0] == 0
     assert any("-DYADE_SOURCE_DIR=" in call for call in machine.called("cmake")[1:])
 
 
 def test_another_environment_wipes_the_build(machine):
-    build(machine, "exit 0")
+    assert build(machine, "exit 0")[0] == 0
     stale = machine.repo / "build" / "stale"
     stale.touch()
     for version, kept in ("2025.2.0", True), ("2026.1.0", False):
@@ -563,22 +532,17 @@ def test_another_environment_wipes_the_build(machine):
         assert stale.exists() == kept
 
 
-def two_builds(machine, work, until):
-    """(stdout, stderr) of two builds at the same time."""
-    return two_at_once(machine, "ready; build", "cmake", work, until, YADE_RCR_WAY="native")
-
-
 def test_a_second_build_waits_for_one_that_has_work(machine):
-    """The first one configures, then it compiles."""
+    """The first one configures, then it compiles. Builds with nothing to do are silent: each looks
+    for new files in turn, which may take longer than the second one's patience.
+    """
+    two_builds = lambda work, until: two_at_once(machine, "ready; build", "cmake", work, until,
+                                                 YADE_RCR_WAY="native")
     for work in ("", 'echo "[1/2] CXX a.cpp"'):
-        results = two_builds(machine, work, lambda flocks: "flock 9" in flocks)
+        results = two_builds(work, lambda flocks: "flock 9" in flocks)
         assert sum("waiting for another build" in errors for _, errors in results) == 1, results
-
-
-def test_builds_with_nothing_to_do_are_silent(machine):
-    """Each looks for new files in turn, which may take longer than the second one's patience."""
     nothing = 'echo "ninja: no work to do."'
     assert build(machine, nothing) == (0, "", "")
     impatient = lambda flocks: len(flocks) >= 4 or "flock 9" in flocks  # has waited twice
-    assert two_builds(machine, nothing, impatient) == [("", "")] * 2
+    assert two_builds(nothing, impatient) == [("", "")] * 2
     assert not (machine.repo / "build" / "working").exists()
