@@ -19,7 +19,6 @@ TOLERANCE = 1e-4  # of each island
 
 
 def without(*names):
-    """All reductions but these."""
     return [name for name in ALL if name not in names]
 
 
@@ -65,7 +64,6 @@ def call_times(calls, repeats):
 
 
 def largest_residual(parts, impulse):
-    """Largest residual of the problems in their joint solution."""
     end = np.cumsum([len(part["bodies"]) for part in parts])
     given = [problems.BodyProblem(**part).delassus() for part in parts]
     return max(measure.residual(measure.matrix(d), d.q, d.friction, p)

@@ -47,7 +47,6 @@ class Case:
         self.about = dict(problem=name, bodies=bodies, points=self.points)
 
     def solve(self, warm=False, **settings):
-        """Result of the kernel for this problem."""
         start = self.delassus.impulse if warm else np.zeros((self.points, 2))
         if self.arrays is not None:
             settings.update(self.arrays, impulse=start, kinematic_tolerance=np.inf)
@@ -162,7 +161,6 @@ def given(options):
 
 
 def measured(options):
-    """{name: rows} of every table."""
     made = {name: [] for name in COLUMNS}
     for name, problem in given(options):
         case = Case(name, problem)

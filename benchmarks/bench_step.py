@@ -45,7 +45,6 @@ COLUMNS = dict(
 
 
 def run_program(program, packing, options, iterations, steps):
-    """Output of a step program for the packing."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "packing.txt")
         np.savetxt(path, packing.table(SKIN))

@@ -65,7 +65,6 @@ def arguments():
 
 
 def command(letter, point, given):
-    """Command that runs a point again."""
     flags = ["--quick"] if given.quick else []
     flags += [word for name in ("particles", "siconos", "peers", "limit")
               if getattr(given, name) not in (None, "", tables.PEERS)

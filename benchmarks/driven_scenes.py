@@ -46,7 +46,6 @@ def row(scene, rigid, springs, broken):
 
 
 def shown(scene, rigid, springs, broken):
-    """Printed line of the table."""
     cells = [scene.seed, scene.motion, f"{scene.friction:.2f}", f"{scene.eta:.2f}", scene.grains,
              f"{scene.dt:.1e}", f"{scene.speed:.2g}", f"{rigid.fastest / scene.speed:.2g}",
              f"{rigid.force / springs.force:.2g}", f"{rigid.slowest / rigid.median:.2g}",

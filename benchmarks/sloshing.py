@@ -38,7 +38,6 @@ def arguments():
 
 
 def measure(folder, inertia, time_step, iterations):
-    """Row of the table for one setting."""
     test = Biaxial.load(folder)
     solver, top = test.solver, O.bodies[test.top].state
     top.vel = Vector3.Zero

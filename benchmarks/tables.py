@@ -21,7 +21,6 @@ def add_repeats(parser, repeats, budget=None):
 
 
 def add_peers(parser):
-    """Add the option --peers."""
     parser.add_argument("--peers", default=PEERS, metavar="DIR",
                         help="folder of chipmunk_step and box2d_step (default: build/peers)")
 
@@ -45,7 +44,6 @@ def store(program, options, columns, measured):
 
 
 def _show(title, rows, columns):
-    """Print rows (dicts) as a table."""
     if not rows:
         return
     cells = [list(columns)] + [[_cell(row.get(column)) for column in columns] for row in rows]

@@ -34,7 +34,6 @@ def campaign_contents(out):
 
 
 def different(one, other):
-    """Names of entries that differ."""
     return sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
 
 

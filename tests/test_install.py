@@ -31,7 +31,6 @@ def python(code, folder, *path, returncode=0):
 
 @needs_build
 def test_installed_package_is_found_and_whole(tmp_path):
-    """The install step copies all modules of the package."""
     cmake("--install", BUILD, "--prefix", tmp_path)
     site = tmp_path / SITE
     yade = [path for path in sys.path if path.endswith("/py")
@@ -119,7 +118,6 @@ def test_one_version(tmp_path):
 
 
 def test_without_its_plugin_rcr_says_so_to_yade(tmp_path):
-    """A build of the kernels alone beside YADE names the missing plugin."""
     shutil.copytree(ROOT / "py" / "rcr", tmp_path / "rcr",
                     ignore=shutil.ignore_patterns("*.so", "__pycache__"))
     code = "import sys, types; sys.modules['yade'] = types.ModuleType('yade'); import rcr"

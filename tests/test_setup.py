@@ -454,7 +454,6 @@ def test_an_argument_under_usr_is_bound(entered, arguments, path, is_bound):
     ("--out ''", "--out"),  # `calls` shows no empty word
 ])
 def test_an_argument_that_does_not_exist_is_left_to_the_command(entered, arguments, last):
-    """The search for the first existing part of a path ends."""
     assert entered("python3", arguments)[0][-1] == last
 
 

@@ -41,7 +41,6 @@ class Options:
 
 
 def chart(letter):
-    """Module of a chart."""
     return importlib.import_module(f"{__name__}.{NAMES[letter]}")
 
 
@@ -84,7 +83,6 @@ class Table:
 
     @property
     def rows(self):
-        """Rows of these settings."""
         return [row for row in self.all if self.settings in (None, row["settings"])]
 
     def has(self, point, counts=lambda status: True):

@@ -233,7 +233,6 @@ def plot(rows, options):
 
 
 def _draw_sweeps(ax, lines):
-    """Draw the errors of each sweep with their standard errors."""
     for swept, points in lines.items():
         _, seconds, difference, error = np.array(points).reshape(-1, 4).T
         color, marker, dashes = STYLES[swept]

@@ -186,8 +186,6 @@ def plot(rows, options):
 
 
 def _draw_curves(ax, rows, reference):
-    """Draw error against time for each tolerance, for a half-step start and for springs."""
-
     def draw(chosen, line, label, **style):
         exact = lambda row: row["reference"] if reference is None else reference
         curve = [(row["seconds"], max(1e-12, abs(row["value"] / exact(row) - 1))) for row in chosen]

@@ -125,7 +125,6 @@ def ratios(rows):
 
 
 def _panel(ax, rows):
-    """Draw residual against time of each library, cold and warm."""
     for library in dict.fromkeys(row["library"] for row in rows):
         color = next((value for key, value in COLORS.items() if library.startswith(key)), "0.5")
         for start, style in ("cold", "o-"), ("warm", "s--"):

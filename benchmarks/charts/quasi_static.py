@@ -87,7 +87,6 @@ def _test(name, options, folder):
 
 
 def _set(test, setting):
-    """Set rate, time step and solver."""
     rate, dt, iterations, tolerance = setting.split("/")
     test.parameters.update(inertial_number=float(rate), time_step=float(dt), approach=APPROACH)
     solver, change = test.solver, tolerance.removeprefix("mean-")
@@ -122,7 +121,6 @@ def run(name, options):
 
 
 def _row(test, folder, first, last):
-    """Observables between two strains."""
     within = lambda strain: first + HALF_RECORD < strain < last + HALF_RECORD
     paths = [path for path in sorted(folder.glob("network-*.h5"))
              if within(float(path.stem.split("-")[1]))]
@@ -167,7 +165,6 @@ def slope_of_rates(rows, name):
 
 
 def _with(rows, setting, strain=STRAIN):
-    """Rows of one setting and one window of strain."""
     return [row for row in rows
             if _setting(row["point"]) == setting and row["strain"] == strain]
 

@@ -21,17 +21,14 @@ BLOW_UP = 0.05  # energy gain over the scale; time stepping gives some per cent 
 
 
 def names():
-    """Names of all scenes, in order."""
     return sorted(SCENES)
 
 
 def scene(name):
-    """The scene of this name."""
     return SCENES[name]
 
 
 def title(name):
-    """Number and title of a scene."""
     return f"{name[:3].upper().replace('S0', 'S')} {scene(name).TITLE}"
 
 

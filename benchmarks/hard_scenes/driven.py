@@ -52,7 +52,6 @@ class Scene:
 
     @property
     def width(self):
-        """Width of the box [m]."""
         return 2.2 * R * math.sqrt(self.grains)
 
 
@@ -264,7 +263,6 @@ SECONDS = 0.5  # duration of a hard scene, in which the drive moves by 3 R
 
 
 def staged(make, motion):
-    """Set up the hard scene of a motion."""
     law, dt = make.args
     scene = Scene(seed=0, motion=motion, eta=0.5, friction=0.5, grains=60, dt=dt,
                   speed=3 * R / SECONDS, steps=math.ceil(SECONDS / dt))

@@ -152,7 +152,6 @@ def s19_pyramid(make):
 
 @hard_scene("stack of 100", "largest displacement at the end, in diameters")
 def s19_tall_stack(make, seconds=100.0):
-    """S19. A stack of a hundred RCRs, for 100 s."""
     rough = material()
     ids = on_floor(make, rough, *stack(100, rough))
     return lambda clock: farthest(ids, clock, seconds) / D

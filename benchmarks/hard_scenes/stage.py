@@ -36,7 +36,6 @@ class ContactDynamics:
     young = 1e9  # not used
 
     def parts(self, restitution):
-        """Physics, law and solver."""
         ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
         if restitution:
             ip2.restitution = MatchMaker(algo="val", val=restitution)
@@ -56,7 +55,6 @@ class Smooth:
     kn: float = 0.0
 
     def parts(self, restitution):
-        """Physics and law."""
         ip2 = Ip2_FrictMat_FrictMat_FrictPhys()
         if self.kn:
             ip2.kn, ip2.ks = (MatchMaker(algo="val", val=k) for k in (self.kn, 0.8 * self.kn))
@@ -231,7 +229,6 @@ def deepest():
 
 
 def solver():
-    """The engine ContactDynamics of the scene."""
     return yade.utils.typedEngine("ContactDynamics")
 
 

@@ -55,10 +55,21 @@ def check(outcome, options, seconds=math.inf, seen=lambda seed, numbers: None):
     return counts, wrong
 
 
-def finish(counts, wrong):
-    """Print how many scenes passed and failed, and end the process."""
+def main(options, outcome, draw=None, told=print):
+    """Check scenes, print their counts by `told`, and end the process."""
+    if draw and options.only is not None:
+        print(draw(options.only))
+    counts, wrong = check(outcome, options)
+    told(dict(counts))
     print(f"{counts['scenes'] - len(wrong)} passed, {len(wrong)} failed")
     sys.exit(bool(wrong))
+
+
+def shrink(scene, smaller, fails):
+    """The least scene that still fails; `smaller(scene)` yields scenes with less."""
+    tries = (less for less in smaller(scene) if repr(less) != repr(scene) and fails(less))
+    less = next(tries, None)
+    return shrink(less, smaller, fails) if less else scene
 
 
 def _serve(outcome, seeds):

@@ -120,7 +120,6 @@ def killed_after(process, seconds):
 
 
 def complete(process):
-    """Wait for the process; it must end with 0."""
     errors = process.communicate()[1]
     if process.returncode:
         raise SystemExit(f"kills.py: {process.args[0]} ended with {process.returncode}: "

@@ -29,7 +29,6 @@ def engine(kind):
 
 
 def above(rng):
-    """A place above all bodies."""
     top = max((b.state.pos[1] for b in O.bodies if b.dynamic), default=0)
     return (rng.uniform(0, COLUMNS * 2 * R), top + 3 * R, 0)
 
@@ -262,23 +261,16 @@ def by(name, one, two):
     return f" by up to {max(far):.3g}, {sum(d > 0 for d in far)} of {len(far)}"
 
 
-def shrink(scene):
-    """The least scene of the same seed that still differs."""
-    scene = dict(scene)
+def smaller(scene):
     plain = dict(restitution=0.0, overdamped=False, turning=False, speed=0.0, motion="none",
                  blocked=0, violent=0, threads=1, floor="Wall", friction=0.0, gravity=0.0,
                  eta=0.0, kinds=["Rcr"], solver="nlgs")  # fmt: skip
-    smaller = True
-    while smaller:
-        events, count = scene["events"], scene["count"]
-        changes = [dict(events=events[:k] + events[k + 1 :]) for k in range(len(events))]
-        changes += [{name: value} for name, value in plain.items() if scene[name] != value]
-        changes += [dict(runs=scene["runs"][:-1])] if len(scene["runs"]) > 1 else []
-        changes += [dict(count=fewer) for fewer in (count // 2, count - 1) if 0 < fewer < count]
-        tries = [{**scene, **change} for change in changes]
-        smaller = next((one for one in tries if difference(one)[0] != "same"), None)
-        scene = smaller or scene
-    return scene
+    events, count = scene["events"], scene["count"]
+    changes = [dict(events=events[:k] + events[k + 1 :]) for k in range(len(events))]
+    changes += [{name: value} for name, value in plain.items()]
+    changes += [dict(runs=scene["runs"][:-1])] if len(scene["runs"]) > 1 else []
+    changes += [dict(count=fewer) for fewer in (count // 2, count - 1) if 0 < fewer]
+    return ({**scene, **change} for change in changes)
 
 
 def outcome(seed):
@@ -287,19 +279,11 @@ def outcome(seed):
     found, steps = difference(scene)
     if found == "same":
         return None, dict(steps=steps)
-    least = shrink(scene)
+    least = children.shrink(scene, smaller, lambda scene: difference(scene)[0] != "same")
     return f"{found}\n  least: {difference(least)[0]}\n  {least}", dict(steps=steps)
-
-
-def main():
-    options = children.parser(__doc__, scenes=500).parse_args()
-    if options.only is not None:
-        print(draw(options.only))
-    counts, wrong = children.check(outcome, options)
-    print(f"{counts['steps']} steps in arrays")
-    children.finish(counts, wrong)
 
 
 if __name__ == "__main__":
     sys.modules["run_fuzzer"] = sys.modules["__main__"]  # for the PyRunners
-    main()
+    children.main(children.parser(__doc__, 500).parse_args(), outcome, draw,
+                  lambda counts: print(f"{counts['steps']} steps in arrays"))

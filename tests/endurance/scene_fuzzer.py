@@ -142,7 +142,6 @@ def put(functors, *new):
 
 
 def put_box(make, *arguments, **options):
-    """Append an obstacle of the grains' material."""
     O.bodies.append(make(*arguments, material=O.materials[0], **options))
 
 
@@ -299,16 +298,12 @@ def main():
     parser = children.parser(__doc__, scenes=2000)
     parser.add_argument("--steps", type=int, default=60, help="of a scene (default %(default)s)")
     options = parser.parse_args()
-    if options.only is not None:
-        print(draw(np.random.default_rng(options.only)))
 
     def of_seed(seed):
         what = outcome(seed, options.steps)
         return (None, {what: 1}) if what in ("ran", "refused") else (what, {})
 
-    counts, wrong = children.check(of_seed, options)
-    print(dict(counts))
-    children.finish(counts, wrong)
+    children.main(options, of_seed, lambda seed: draw(np.random.default_rng(seed)))
 
 
 if __name__ == "__main__":

@@ -80,7 +80,6 @@ def free_ports(count):
 
 
 def jobs(columns, *options):
-    """Rows of squeue, a list of words for each job."""
     return [line.split() for line in ask("squeue", "--noheader", f"--format={columns}",
                                          *options).splitlines()]
 
@@ -123,7 +122,6 @@ def cluster(folder):
 
 
 def run_of(out, job):
-    """Folder of the test that this job runs, or None."""
     return next((out / "runs").glob(f"*-eta-{job.removeprefix('biaxial_')}-seed-{SEED}"), None)
 
 

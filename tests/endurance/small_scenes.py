@@ -150,7 +150,6 @@ def build(scene, **options):
 
 
 def mean_flow(scene, at):
-    """Velocity and spin of the periodic cell at a point."""
     if "sides" not in scene:
         return 0, 0
     g = scene["gradient"]
@@ -191,7 +190,6 @@ def advance(scene, steps):
 
 
 def moved(body, owner, parts, start):
-    """The body with its present motion and place."""
     s, shapes = O.bodies[owner].state, []
     for p, k in zip(body["parts"], parts):
         at, turn = start[k]

@@ -75,7 +75,6 @@ def container(scene, material):
 
 
 def movable():
-    """Grains and clumps that can move, without members of clumps."""
     return [b for b in O.bodies if not b.isClumpMember and "x" not in b.state.blockedDOFs]
 
 

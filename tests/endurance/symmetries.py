@@ -91,13 +91,6 @@ def smaller(scene):
         yield {**scene, **change}
 
 
-def shrink(scene, relation):
-    """The least scene that still breaks the relation."""
-    tries = (s for s in smaller(scene) if repr(s) != repr(scene) and broken(s, relation))
-    less = next(tries, None)
-    return shrink(less, relation) if less else scene
-
-
 def outcome(seed):
     """The relations that are broken with the least scenes, or None; and counts of steps."""
     scene, counts, wrong = random_scene(seed), collections.Counter(), []
@@ -107,7 +100,7 @@ def outcome(seed):
             continue
         for start in starts:
             if broken(start, relation, counts):
-                least = shrink(start, relation)
+                least = children.shrink(start, smaller, lambda scene: broken(scene, relation))
                 wrong.append(f"{name}: {broken(least, relation)}\n  least: {least}")
                 break
     (expected, _), (found, steps) = play(scene, False), play(scene, True)
@@ -116,12 +109,5 @@ def outcome(seed):
     return "\n".join(wrong) or None, {**counts, "in arrays": steps}
 
 
-def main():
-    options = children.parser(__doc__, scenes=3000).parse_args()
-    counts, wrong = children.check(outcome, options)
-    print(dict(counts))
-    children.finish(counts, wrong)
-
-
 if __name__ == "__main__":
-    main()
+    children.main(children.parser(__doc__, 3000).parse_args(), outcome)

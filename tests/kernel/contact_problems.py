@@ -31,7 +31,6 @@ class Problem(dict):
         self.name, self.seed = name, seed
 
     def copy(self, name, **changes):
-        """The problem with copies of its arrays, some of them changed."""
         arrays = {key: value.copy() for key, value in self.items()}
         return Problem(name, self.seed, **arrays | changes)
 
@@ -330,7 +329,6 @@ def square_discs(seed, side=20):
 
 
 def hub(count):
-    """A disc with many contacts."""
     angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
     n = np.column_stack([np.cos(angle), np.sin(angle)])
     bodies = [(0, k) for k in range(1, count + 1)]

@@ -84,7 +84,6 @@ def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5
 
 
 def write_run(folder, eta, seed=0, strains=(0.1, 0.2, 0.3, 0.4), **options):
-    """A results folder as scripts/biaxial.py writes it."""
     folder.mkdir(parents=True)
     for k, strain in enumerate(strains):
         moment = packing(eta, seed=100 * seed + k, strain=strain, **options)

@@ -40,7 +40,6 @@ CONTRACT = [  # observable, names of grids, names of arrays over elongation and 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """η = 0 once, η = 0.5 twice."""
     folder = tmp_path_factory.mktemp("runs")
     return [Run.read(write_run(folder / f"{eta}-{seed}", eta, seed))
             for eta, seed in ((0.5, 1), (0.0, 1), (0.5, 2))]
@@ -266,7 +265,6 @@ def _of(change, network):
 
 
 def measured(network):
-    """Its ensemble, grids and measures."""
     ensemble = Ensemble([network])
     grids = observables.Grids.of([ensemble], 0.4)
     return ensemble, grids, observables.measures(ensemble, grids)
@@ -280,7 +278,6 @@ def test_angular_functions_without_contacts_are_unknown():
 
 
 def of_lengths(network, lengths):
-    """The network with branches of these lengths."""
     branch = network.contacts["branch"]
     branch *= (np.broadcast_to(lengths, len(branch)) / np.hypot(*branch.T))[:, None]
     return network
@@ -401,7 +398,6 @@ def rows(result, observable, start=""):
 
 
 def changed(result, observable, **arrays):
-    """The analysis with some arrays of an observable replaced."""
     entry = result[observable]
     return result | {observable: entry | dict(value=entry["value"] | arrays)}
 

@@ -140,7 +140,6 @@ def test_bench_solver_writes_its_tables(files):
 
 
 def test_bench_solver_compares_with_siconos(files):
-    """A program stands for Siconos' Python."""
     found = (1e-3, 10, 2.0, 5e-4), (1e-6, 20, 4.0, 2e-6)
     rows = [dict(zip(("tolerance", "iterations", "seconds", "residual"), row)) for row in found]
     siconos = answer(files / "answer", rows=rows, ns=100.0)
@@ -152,7 +151,6 @@ def test_bench_solver_compares_with_siconos(files):
 
 
 def test_impulses_of_siconos_have_the_residual_that_it_prints(files):
-    """Siconos' impulses at 1e-8 have the residual that it prints, if it is installed."""
     pytest.importorskip("siconos.numerics", reason="this Python has no Siconos")
     peers = bench("bench_solver.py", files / "small.npz", "--only", "tolerances", "--siconos",
                   sys.executable, *FAST, out=files / "out")("peers")

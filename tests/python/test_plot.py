@@ -43,7 +43,6 @@ def contacts(count, **columns):
 
 
 def pressed(count, *forces):
-    """Grains in a row with these normal forces between them."""
     row = frame(count)
     row.contacts = contacts(len(forces), force=np.outer(forces, [1, 0]))
     return row
@@ -214,7 +213,6 @@ def test_a_cell_shows_grains_inside_and_their_images():
 
 
 def test_images_in_a_sheared_cell():
-    """All images that reach into the cell are found, as by a search of all neighbours."""
     rng = np.random.default_rng(5)
     scene = frame(40, position=rng.uniform(0, 30, (40, 2)))
     scene.cell = np.array([[10.0, 4.0], [0.5, 8.0]])
@@ -277,7 +275,6 @@ def test_film_of_networks(tmp_path, names, timed):
 
 
 def test_defaults_of_a_film_may_be_given(tmp_path):
-    """One scale for all networks, and one legend."""
     for k in (1, 2):
         network = packing(0.5, particles_=5, contacts=20)
         network.particles["velocity"][:, 0] = k * np.arange(1, 6)
@@ -289,7 +286,6 @@ def test_defaults_of_a_film_may_be_given(tmp_path):
 
 
 def test_film_of_pictures(tmp_path):
-    """Picture 9 comes before picture 10."""
     for k in (10, 9):
         plot.snapshot(tmp_path / f"p{k}.png", frame(3), color="black" if k == 9 else "white",
                       legend=False, dpi=30)

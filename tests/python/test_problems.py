@@ -30,7 +30,6 @@ SOLVERS = ["nlgs", "sor", "nesterov", "exact", "auto"]
 
 @pytest.fixture
 def files(step, tmp_path):
-    """One step in all formats."""
     for name in FILES:
         write(tmp_path / name, step)
     return tmp_path
@@ -82,7 +81,6 @@ def test_settings(files):
 
 
 def test_warm_start(files):
-    """A solved problem needs no iteration; a cold start needs some."""
     problem = problems.load(files / "step.npz")
     problem.impulse = solve(problem, "exact", 1e-9).reaction
     problems.save_fclib(files / "warm.h5", problem)
@@ -323,7 +321,6 @@ SCALARS = st.one_of(
 
 
 def one_contact(**changes):
-    """Arguments of a BodyProblem of a grain on a floor."""
     return dict(inverse_mass=[[1.0, 1, 8], [0, 0, 0]], free_velocity=[[0.1, -0.1, 0.3], [0, 0, 0]],
                 bodies=[[0, 1]], normal=[[0.0, -1]], arm1=[[0.1, -0.5]], arm2=[[0.0, 0]],
                 bias=[0.0], friction=[0.5], impulse=[[0.0, 0]]) | changes

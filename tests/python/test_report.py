@@ -57,7 +57,6 @@ def out(written, tmp_path):
 
 
 def assert_refused(says, *arguments):
-    """The script fails with one line."""
     run = network_script(*arguments, code=1)
     assert run.stdout == "" and says in run.stderr, run.stderr
     assert run.stderr.startswith("network.py: ") and run.stderr.count("\n") == 1, run.stderr
@@ -228,7 +227,6 @@ def test_outlines_are_those_of_rounded_cap_rectangles():
 
 
 def test_segments_join_the_right_grains():
-    """Ids need not be in order."""
     network, turned = (packing(0.5, particles_=50, contacts=100) for _ in range(2))
     turned.particles = {name: column[::-1] for name, column in turned.particles.items()}
     segments = Frame.of(network).segments()

@@ -12,7 +12,6 @@ if yade is None:
 
 @pytest.fixture(autouse=True)
 def empty_scene():
-    """Every test starts from a scene without bodies, engines and materials."""
     yade.O.reset()
     yield
     yade.O.reset()

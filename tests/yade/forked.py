@@ -62,7 +62,6 @@ def yade_script(script, *arguments, before="", **settings):
 
 
 def program(folder, *command, name="yade", code=0):
-    """`ended` of a program in a folder."""
     return ended(name, *command, cwd=folder, code=code)
 
 

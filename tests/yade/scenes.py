@@ -89,7 +89,6 @@ def walls(rough, x=(), y=()):
 
 
 def set_state(body=1, **values):
-    """Set attributes of a body's state."""
     for name, value in values.items():
         setattr(O.bodies[body].state, name, value)
 
@@ -108,7 +107,6 @@ FLOORS = {
 
 
 def without(kind):
-    """Remove the engines of a class."""
     O.engines = [e for e in O.engines if not isinstance(e, kind)]
 
 
@@ -131,7 +129,6 @@ def assert_reload_changes_nothing(path, run):
 
 
 def inertia(a, r, density=1000.0):
-    """Mass and moment of inertia of a stadium."""
     body = stadium(a, r, (0, 0), material=material(density=density))
     return body.state.mass, body.state.inertia[2]
 

@@ -49,7 +49,6 @@ def test_one_grain(rho, v, friction, slides):
 
 
 def test_no_pivot_if_nothing_changes():
-    """From the solution, and where all contacts separate."""
     for p, v in ((2, 1), (0.9, -1)), ((2, 0.8), (0.4, -1)), ((0, 0), (0.4, 1)):
         problem = grain(p, v=v)
         end = _kernel.follow_path(1e3, MANY, **problem)
@@ -87,7 +86,6 @@ def test_the_softened_law_holds_at_the_end(make, rho):
 
 
 def test_soft_steps_converge_to_the_solution():
-    """Without friction each path is complete, and the fixed point solves the problem."""
     problem = square_discs(3)
     for _ in range(200):
         end = _kernel.follow_path(1e3, MANY, **problem)

@@ -21,7 +21,6 @@ def direction_of(angle):
 
 
 def boundary(a, r, angle, n=20000):
-    """Points of the boundary, (n, 2)."""
     t = np.linspace(-np.pi, np.pi, n)
     x, y = np.where(np.abs(t) < np.pi / 2, a, -a) + r * np.cos(t), r * np.sin(t)
     return np.outer(x, direction_of(angle)) + np.outer(y, direction_of(angle + np.pi / 2))

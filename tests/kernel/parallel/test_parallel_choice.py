@@ -29,7 +29,6 @@ def modes(choice, rounds, parallel, serial, cold=1):
 @pytest.mark.parametrize("cold", [1, 4])
 @pytest.mark.parametrize("parallel, serial", [(1.0, 1.8), (1.8, 1.0), (1.0, 1.1)])
 def test_faster_mode_is_used(parallel, serial, cold):
-    """Includes slow first rounds after a change of mode, when data move between caches."""
     used = modes(_kernel.ParallelChoice(), 2000, parallel, serial, cold)
     faster = parallel < serial
     assert used[: 2 * TRIAL] == [True] * TRIAL + [False] * TRIAL

@@ -101,7 +101,6 @@ def test_projection_is_the_nearest_point_of_the_cone(n, t, mu):
 
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 def test_restitution_without_friction_is_not_reduced(e):
-    """u⁺ = −e u⁻ dissipates (1 − e²) of the energy."""
     p = _kernel.solve_coulomb(1, 0, 1, -1 - e, 0.3, 0)
     assert _kernel.passive_restitution_factor(1, 0, 1, p, (-1, 0.3), (e, 0.3), -e, 0) == 1
 

@@ -171,7 +171,6 @@ def test_work_of_heaps_is_the_sum_of_their_work():
 
 
 def test_fixed_bodies_and_islands_change_no_unique_velocity():
-    """Velocities without friction are unique."""
     several = discs(beside(pile(30, 8, 6), pile(31, 5, 9), grains_on_a_floor(25)))
     for whole, reduction in (discs(pile(8, 40, 5)), "fixed"), (several, "islands"):
         results, models = full_and_reduced(whole, reduction, **FINE)

@@ -64,7 +64,6 @@ def test_a_row_that_is_struck_at_its_end_stays_rigid():
 
 
 def test_a_drive_reaches_root_n_bodies_of_a_packing():
-    """A drive that touches every grain reaches one at a time."""
     count = 25
     rest = np.zeros((count, 3))
     _, _, most = scale([1.0] * count, rest, rest, below=np.zeros(count))

@@ -10,7 +10,6 @@ MASS = np.array([400.0, 240.0])  # M_c [kg m²]
 
 
 def in_a_cell(seed, stretches=True):
-    """A pile with some pairs across the boundary."""
     problem, rng = pile(seed, 20, 12), np.random.default_rng(seed)
     pairs, pair_of = np.unique(problem["bodies"], axis=0, return_inverse=True)
     images = rng.choice([-1.0, 0, 1], (len(pairs), 2), p=[0.05, 0.9, 0.05]) * (20.0, 12.0)

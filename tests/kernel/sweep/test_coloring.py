@@ -26,7 +26,6 @@ def test_overflow_of_a_body_with_many_contacts():
 
 
 def test_random_graphs():
-    """Pairs of one colour share no body, and each pair takes the lowest free colour."""
     for seed in range(20):
         rng = np.random.default_rng(seed)
         bodies = int(rng.integers(2, 60))

@@ -11,7 +11,6 @@ SPECIAL = [0.0, -0.0, 1.0, -1.0, 1e-310, -1e-310, 1e300, -1e300, np.inf, -np.inf
 
 
 def fma(a, b, c):
-    """a b + c rounded once."""
     try:
         return math.fma(a, b, c)
     except (OverflowError, ValueError):  # the plain result is infinite or NaN, too
@@ -77,7 +76,6 @@ def test_a_product_with_its_sum_is_rounded_once():
 @pytest.mark.parametrize("lanes", LANES)
 @pytest.mark.parametrize("whole", [True, False])
 def test_records_move_unchanged(lanes, whole):
-    """Sixteen records are copied to sixteen others; nothing else changes."""
     size = 2 if whole else 1
     for seed in range(50):
         rng = np.random.default_rng(seed)

@@ -35,7 +35,6 @@ def test_a_workspace_follows_pairs_that_come_and_go(solver):
 
 
 def altered(problem, rng):
-    """The problem with other pairs, impulses, velocities, friction and masses."""
     count = len(problem["bodies"])
     rows = np.repeat(np.arange(count), rng.choice([0, 1, 2], count, p=[0.1, 0.8, 0.1]))
     new = problem.at_points(f"before {problem.name}", rows)
@@ -78,7 +77,6 @@ def test_a_workspace_changes_no_bit_with_lanes_and_threads():
 
 
 def test_a_workspace_takes_any_problem():
-    """Other bodies, unsorted points and empty problems give the same result as without it."""
     workspace = _kernel.Workspace()
     a, b = pile(1), pile(3, 5, 4)
     mixed = a.at_points("mixed", np.random.default_rng(0).permutation(len(a["bodies"])))

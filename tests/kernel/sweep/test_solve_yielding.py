@@ -23,7 +23,6 @@ def vice(v1=1.0, v2=1.0):
 
 
 def wedge():
-    """A step without a solution."""
     return stored("wedge_without_solution")
 
 
@@ -67,7 +66,6 @@ def test_wedge_has_bounded_forces(start):
 
 
 def test_yielding_contacts_obey_their_laws():
-    """u + ε W p obeys Signorini and Coulomb at every point."""
     problem = wedge()
     p = problem.solve("auto", yield_compliance=COMPLIANCE, tolerance=1e-7)["impulse"]
     w, q = dense(problem)

@@ -34,7 +34,6 @@ def growing(steps, start=1.1, rate=0.1):
                  id="removed overlap"),
 ])
 def test_verdicts(overlaps, yielded, expected):
-    """Overlaps that grow for `PATIENCE` steps give a verdict."""
     assert verdicts(JamDetector(), overlaps, yielded) == expected
 
 

@@ -35,7 +35,6 @@ def told(request):
 
 
 def survey(path, variants, read):
-    """(read, refused) over the variants of a file; each read ends."""
     count = [0, 0]
     for content in variants:
         path.write_bytes(content)
@@ -54,7 +53,6 @@ def survey(path, variants, read):
 
 @pytest.fixture
 def saved(tmp_path):
-    """Path of a small network, and the network."""
     network, path = synthetic.packing(0.5, particles_=30, contacts=60), tmp_path / "network-0.1.h5"
     network.save(path)
     return path, network

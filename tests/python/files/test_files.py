@@ -149,7 +149,6 @@ def test_a_failed_write_leaves_the_old_file_alone(tmp_path, error, monkeypatch):
 
 
 def test_solve_does_without_h5py(tmp_path):
-    """`import rcr` needs no h5py."""
     one = dict(a=[0], b=[1], n=[[0, 1]], ra=[[0, 0]], rb=[[0, 0]], bn=[0.0], mu=[0.5], p0=[[0, 0]])
     np.savez(tmp_path / "p.npz", im=[0, 1], iI=[0, 1], vfree=[[0, 0, 0], [0, -2, 0]],
              meta=[1, 1, 2], **one)

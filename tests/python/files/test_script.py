@@ -51,7 +51,6 @@ def test_values_from_python(value):
 
 
 def started(body):
-    """A script with this main."""
     code = f"""
 import sys
 from rcr import script

@@ -156,7 +156,6 @@ def step(bodies, dt, gravity, friction=0.0, restitution=0.0):
 
 
 def energy(bodies, gravity):
-    """Kinetic and potential energy of the bodies that move [J/m]."""
     free = [b for b in bodies if b.inverse_mass.any()]
     kinetic = sum(0.5 * (b.velocity**2 / b.inverse_mass).sum() for b in free)
     return kinetic, -sum(b.mass * np.dot(gravity, b.center) for b in free)

@@ -202,7 +202,6 @@ def test_zigzag_column_presses_like_a_fluid():
 
 
 def test_resting_pile_presses_with_its_weight():
-    """The wall forces sum to 0 and −Σ m g."""
     grains = pile(30, dt=4e-3, tolerance=1e-6, maxIterations=5000)
     steps(3000)
     solver().tolerance, solver().maxIterations = 1e-13, 200_000

@@ -122,7 +122,6 @@ def run_collision(seed):
 
 
 def test_random_collisions_keep_momentum_and_gain_no_energy():
-    """1000 collisions with e and µ from 0 to 1."""
     results = np.array([run_collision(seed) for seed in range(1000)])
     error, gain, overlap, met = results.T
     assert met.mean() > 0.9
@@ -180,7 +179,6 @@ def test_the_first_step_of_a_clump_meets_what_is_near():
 @pytest.mark.parametrize("blocked", ["xyzXY", "yzXY", "yzXYZ", "xyzXYZ"])
 @pytest.mark.parametrize("seed", range(8))
 def test_partly_blocked_drives_do_not_explode(blocked, seed):
-    """A grain with some blocked degrees of freedom is driven at 3 m/s into eight others."""
     rng = np.random.default_rng(seed)
     rough = material(0.5)
     grains = [rcr.particle((0.022 * (k % 3), 0.022 * (k // 3)), rng.uniform(0.007, 0.01),

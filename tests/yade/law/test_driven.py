@@ -37,7 +37,6 @@ def test_a_lid_beside_a_receding_wall_does_not_explode():
 
 @pytest.mark.parametrize("seed", [0, 2])
 def test_a_heap_that_nothing_drives_never_yields(seed):
-    """Every step has a solution, so contacts never yield."""
     heap(seed)
     O.run(3500, True)
     assert solver().yieldedSteps == 0
@@ -110,7 +109,6 @@ def test_springs_start_from_the_motion_of_the_rigid_grains():
 
 
 def test_a_step_pays_no_more_than_its_iterations():
-    """113 discs in a slowly turning box: no step takes much more than its iterations."""
     scene = driven.draw(28)
     driven.begin(scene, driven.RIGID, driven._settled(scene))
     assert max(iterations(60)) <= solver().maxIterations

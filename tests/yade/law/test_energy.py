@@ -115,7 +115,6 @@ def test_two_points_that_stick_bounce_as_one(slip, solver_name):
 
 @pytest.mark.parametrize("rounding", [-1e-12, 1e-12])
 def test_a_closing_speed_of_rounding_is_no_impact(rounding):
-    """A disc rolls over the end of a segment, e = 0.5."""
     def end(speed):
         build(rcr.segment((-0.5, 0), (0.5, 0)), rcr.disc((0.5, 0.1), 0.1, velocity=(6, speed)),
               gravity=(0, -300, 0), dt=5e-3, restitution=0.5)

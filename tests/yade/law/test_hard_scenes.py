@@ -17,7 +17,6 @@ DRIFTS = ("s06_overlap_heals", "s08_joints", "s11_painleve", "s19_disc_pyramid")
 
 
 def parameters(fails):
-    """The scenes as parameters; `fails` holds those that fail, with the reason."""
     marks = {name: [pytest.mark.slow] if name in SLOW else [] for name in hard_scenes.names()}
     for name, reason in fails.items():
         marks[name].append(pytest.mark.xfail(reason=reason, strict=True))

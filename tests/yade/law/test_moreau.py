@@ -34,7 +34,6 @@ def bodies_of_scene():
 
 
 def throw(speed, seed):
-    """Random velocities of all free bodies."""
     rng = np.random.default_rng(seed)
     for b in O.bodies:
         if b.dynamic:
@@ -47,7 +46,6 @@ def floor(mu):
 
 
 def discs_in_a_box():
-    """Frictionless discs that fall and collide."""
     discs = [stadium(0, 0.1, (0.11 + 0.21 * (k % 3) + 0.01 * k, 0.12 + 0.22 * (k // 3)),
                      material=material(0)) for k in range(6)]
     build(*walls(material(0), x=(0, 0.75), y=[0]), *discs, dt=DT, **CLOSE)
@@ -55,7 +53,6 @@ def discs_in_a_box():
 
 
 def rods_in_a_box():
-    """Frictionless rods that fall, collide and turn."""
     rods = [stadium(0.1, 0.05, (0.2 + 0.4 * (k % 2), 0.15 + 0.3 * (k // 2)), 0.4 * k,
                     material=material(0)) for k in range(6)]
     build(*walls(material(0), x=(0, 0.8), y=[0]), *rods, dt=DT, **CLOSE)
@@ -132,7 +129,6 @@ def test_velocities_after_each_step_agree(scene, friction, restitution):
 
 @pytest.mark.parametrize("scene, friction", [(s[0], s[1]) for s in SCENES if not s[2]])
 def test_energy_and_overlap_agree_in_the_long_run(scene, friction):
-    """Energy and overlap of two runs from the same start."""
     scene()
     gravity = tuple(O.engines[-1].gravity)[:2]
     bodies = bodies_of_scene()

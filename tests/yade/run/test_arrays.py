@@ -106,7 +106,6 @@ def shot():
 
 
 def watched():
-    """A PyRunner that reads and writes bodies during the run."""
     build(*grains(40, 6, 5), *box_of(0.9), dt=2e-3, **SOLVER)
     insert(9, run_each(37, "stir"))
 
@@ -335,7 +334,6 @@ def least_in_arrays(count):
 
 
 def test_an_error_leaves_the_scene_as_the_step_began():
-    """An error during steps in arrays reaches the script; the scene can continue."""
     mixed()
     O.run(50, True)
     insert(-1, w.PyRunner(command="raise RuntimeError('enough')", iterPeriod=80))
@@ -345,7 +343,6 @@ def test_an_error_leaves_the_scene_as_the_step_began():
 
 @pytest.mark.parametrize("period", [1, 2, 7, 50])
 def test_forces_that_a_script_adds_now_and_then_act(period):
-    """A force added by a PyRunner in the first step of a series in arrays acts."""
     speeds = []
     for arrays in (True, False):
         build(*[stadium(0.2, 0.1, (k, 5), material=material(0)) for k in range(2)],
@@ -358,7 +355,6 @@ def test_forces_that_a_script_adds_now_and_then_act(period):
 
 
 def observed(ids, every):
-    """ContactDynamics of the scene `pressed`, which observes these bodies."""
     pressed()
     watched = solver()
     watched.observe, watched.observeEvery = ids, every

@@ -89,7 +89,6 @@ def blocks(page, language):
 
 
 def run(page, folder, before=""):
-    """Return the output of a page's script, which must succeed."""
     (folder / "page.py").write_text(before + "\n".join(blocks(page, "python")))
     done = yade(folder, "-n", "-x", "page.py")
     return done.stdout + done.stderr

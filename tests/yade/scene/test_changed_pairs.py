@@ -137,7 +137,6 @@ def test_springs_between_members_of_a_dissolved_clump():
 
 
 def loose_box():
-    """A free Box above the floor."""
     rough = material(0.5)
     build(rcr.wall("y", 0, 1, material=rough),
           *(rcr.disc((0.3 * k, 0.1), 0.1, rough) for k in range(8)), tolerance=1e-4)

@@ -132,7 +132,6 @@ SPHERES_ONLY = {
 
 
 def test_functions_for_spheres_only_warn():
-    """They warn where the scene has an Rcr."""
     done = python(f"""
 from yade import *
 from yade import utils, export
@@ -339,7 +338,6 @@ def test_scenes_without_a_free_grain_walls_that_are_no_box_and_volumes_out_of_ra
 
 
 def test_periodic_cell_needs_no_walls():
-    """The volume is that of the cell."""
     shrinking_cell()
     network = rcr.contact_network()
     volume = network.attributes["volume"]

@@ -13,7 +13,6 @@ from yade.wrapper import InsertionSortCollider, PeriTriaxController
 
 
 def scene(law, *bodies, size=2.0, gravity=(0, 0, 0), **options):
-    """A fresh scene in a periodic cell; returns the ids of the bodies."""
     return build(*bodies, cell=size, law=law, gravity=gravity, **options)
 
 
@@ -241,10 +240,6 @@ def test_a_cell_shears_its_grains_after_a_compression(overdamped):
 
 
 def test_row_of_discs_carries_the_stress_of_its_cell():
-    """Each contact carries stress × height from step one.
-
-    Position correction also strains the cell, as a free wall: overlaps stay small in slow shear.
-    """
     pressed_row(2.0)
     for _ in range(3):
         O.step()

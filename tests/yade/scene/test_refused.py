@@ -24,7 +24,6 @@ def grain(center=(0, 0), R=0.1, eta=0.5, **options):
 
 
 def add(make, *arguments, **options):
-    """Append a body of the floor's material; returns it."""
     rough = O.bodies[0].material
     return O.bodies[O.bodies.append(make(*arguments, material=rough, **options))]
 

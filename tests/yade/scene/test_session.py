@@ -48,7 +48,6 @@ def test_classes_are_known_to_yade_and_documented(base, ours):
 
 
 def test_names_of_a_session_say_so_without_yade():
-    """Names that `import rcr` adds in a session say so; unknown names are unknown."""
     without = python("import rcr; print(*rcr.__all__)").stdout.split()
     names = sorted({*rcr.__all__, "wall", *NAMES}.difference(without))
     assert {"particle", "Rcr"} < set(names)

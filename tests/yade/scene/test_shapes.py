@@ -38,7 +38,6 @@ def test_a_grain_comes_to_rest_on_every_floor(floor, grain, law, height, dt, cou
 
 @pytest.mark.parametrize("floor", FLOORS)
 def test_spheres_and_rcrs_of_one_size_do_the_same(floor):
-    """A pile of discs as Spheres, as Rcrs and mixed moves the same way, to rounding."""
     places = [(0.21 * i + 0.03 * j, 0.15 + 0.22 * j) for i in range(3) for j in range(3)]
 
     def run(kinds):

@@ -48,7 +48,6 @@ def difference(one, other, by=0.1):
 
 
 def size(mask):
-    """Width and height of a mask [pixels]."""
     rows, columns = np.nonzero(mask)
     return np.ptp(columns) + 1, np.ptp(rows) + 1
 

@@ -19,7 +19,6 @@ def add(center, **options):
 
 
 def advised():
-    """Warnings of the next step."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         O.step()

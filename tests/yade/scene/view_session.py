@@ -19,7 +19,6 @@ def draw(seconds=0.5):
 
 
 def make_scene(rcr, scenes):
-    """Grains in pure colours at rest on a grey box."""
     rough = w.FrictMat(density=1000, frictionAngle=0.4, young=1e6)
     O.bodies.append([
         utils.box((1.5, -0.2, 0), (3, 0.2, 0.2), fixed=True, material=rough, color=(0.4, 0.4, 0.4)),

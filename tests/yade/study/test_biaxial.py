@@ -110,7 +110,6 @@ def test_frictionless_packing_is_balanced_and_isotropic(packing):
 
 
 def test_checkpoint_continues_to_the_same_bits(packing, tmp_path):
-    """Shear of 4 records, with and without a checkpoint in between."""
     shown = lambda test: [(row["sin_phi"], row["iterations"]) for row in test.rows]
     test = packing.sheared(4)
     straight, rows = state(test), shown(test)
@@ -175,7 +174,6 @@ def test_creep_is_accepted_where_longer_steps_flip_grains():
 
 
 def reports(eta, particles, of, seed=1):
-    """Values of `of(test)` at all reports of a compaction."""
     found = []
     Biaxial.prepare(eta, particles, seed=seed).compact(lambda test: found.append(of(test)))
     return found
@@ -241,7 +239,6 @@ def test_a_checkpoint_holds_history_and_means(packing, tmp_path):
 
 
 def test_damaged_checkpoints_are_refused(packing, tmp_path):
-    """Flipped bytes, cut files, complete files that are no checkpoint, other scenes."""
     whole = (pathlib.Path(packing.folder) / CHECKPOINT).read_bytes()
     rng, path, harmless = random.Random(1), tmp_path / CHECKPOINT, 0
     for k in range(60):
@@ -298,8 +295,6 @@ def test_summary_has_the_inertia_of_the_sample(packing):
 
 
 def test_missed_tolerances_are_counted(packing):
-    """Two iterations miss every tolerance, thousands miss none."""
-
     def load(**settings):
         test = Biaxial.load(packing.folder)
         for name, value in settings.items():

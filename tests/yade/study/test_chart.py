@@ -78,7 +78,6 @@ def test_a_point_of_one_step_runs(tmp_path):
 
 
 def error(name):
-    """Relative error of a point, and the number of its steps."""
     (row,) = deterministic.run(name, OPTIONS)
     return row["value"] / row["reference"] - 1, row["steps"]
 
