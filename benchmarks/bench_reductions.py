@@ -71,10 +71,8 @@ def largest_residual(parts, impulse):
 
 
 def island_rows(about, parts, repeats):
-    """Cost until each island has reached the tolerance.
-
-    Without the reduction, one residual over all islands ends the sweeps. It is lowered until the
-    last island has reached the tolerance.
+    """Cost until each island has reached the tolerance; one residual over all is lowered until
+    then.
     """
     given = beside(parts)
     as_one = dict(reductions=without("islands"), tolerance=TOLERANCE)

@@ -61,7 +61,6 @@ class Case:
 
 # ---- measurements
 
-
 def sweep_rows(case, repeats, threads):
     """Time of a sweep for every solver, lane width and number of threads."""
     if case.arrays is None:
@@ -119,7 +118,6 @@ def siconos_rows(case, warm, options):
 
 
 # ---- the script
-
 
 def arguments():
     parser = script.Parser(prog="bench_solver.py", description=__doc__.splitlines()[0])

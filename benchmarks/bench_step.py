@@ -43,7 +43,6 @@ COLUMNS = dict(
 
 # ---- other libraries
 
-
 def run_program(program, packing, options, iterations, steps):
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "packing.txt")
@@ -54,11 +53,9 @@ def run_program(program, packing, options, iterations, steps):
 
 
 def accuracy(packing, outcome):
-    """Errors of the contact laws after the last step of a library, over its own contacts.
-
-    The residual is of its impulses and the velocities that follow from them. `velocity_error` is
-    the relative difference between these velocities and those of the library. Overlaps are before
-    the step, in mean diameters.
+    """Errors of the contact laws after the last step of a library, over its own contacts and
+    impulses. `velocity_error` compares the velocities that follow with its own; overlaps are before
+    the step.
     """
     table = np.array(outcome["contacts"]).reshape(-1, 12)
     bodies, normal = table[:, :2].astype(int), table[:, 2:4]
@@ -164,7 +161,6 @@ def compare_libraries(options):
 
 # ---- inside YADE
 
-
 def time_checkpoint(folder, way, options):
     """Continue a checkpoint by some steps; rows of the engines, and a row of the whole step."""
     from rcr.study.biaxial import Biaxial
@@ -222,7 +218,6 @@ def time_yade(options):
 
 
 # ---- the script
-
 
 def arguments(in_yade):
     parser = script.Parser(prog="bench_step.py", description=__doc__.splitlines()[0])

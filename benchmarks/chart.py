@@ -75,7 +75,6 @@ def command(letter, point, given):
 
 # ---- the process that computes
 
-
 def work(options):
     """Answer each line (chart, point) on stdin by a line of rows on stdout."""
     for line in sys.stdin:
@@ -121,7 +120,6 @@ class Worker:
 
 
 # ---- the script
-
 
 def draw(letter, given, options, worker):
     """Run the missing points of a chart, write its CSV and draw it."""

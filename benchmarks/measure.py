@@ -42,9 +42,8 @@ def matrix(problem):
 
 
 def rounds(repeats, budget, functions):
-    """Call the functions in turn and yield their results, a list for each round.
-
-    There are at most `repeats` rounds; none begins after `budget` seconds.
+    """Yield the results of all functions, at most `repeats` times; no round begins after `budget`
+    s.
     """
     start = time.perf_counter()
     for _ in range(repeats):
@@ -60,9 +59,8 @@ def best(repeats, budget, *functions):
 
 
 def sweep_times(runs, repeats):
-    """Wall-clock and processor time per contact point and sweep, (runs, 2) [ns].
-
-    A run is (number of points, `solve` of settings); many sweeps are compared with few.
+    """Wall-clock and processor time per contact point and sweep, (runs, 2) [ns], of many less few.
+    A run is (number of points, `solve` of settings).
     """
 
     def run(solve, count):
@@ -78,7 +76,6 @@ def sweep_times(runs, repeats):
 
 
 # ---- problems
-
 
 def given(paths):
     """(name, problem) of each file; without files, of lattices of 500, 2000 and 8000 discs."""
@@ -134,10 +131,7 @@ def mirrored(problem, seed=1, change=0.05):
 
 
 def _straight_wall(problem):
-    """(axis of the normal, speed along it, bodies) of the first straight wall.
-
-    Prescribed bodies with the same normal and speed form one wall.
-    """
+    """(axis of the normal, speed along it, bodies) of the first prescribed straight wall."""
     walls = {}
     for body in np.flatnonzero(~(problem.inverse_mass > 0).any(1)):
         first, second = (problem.bodies == body).T
@@ -154,10 +148,8 @@ def _straight_wall(problem):
 
 
 def lattice(count, seed=1):
-    """A triangular lattice of about `count` equal discs under a load, a third of its bonds open.
-
-    Returns the arrays of a `BodyProblem`. It is not at rest: times of a sweep are realistic,
-    numbers of sweeps are not.
+    """Arrays of a triangular lattice of about `count` equal discs under a load, a third of its
+    bonds open. It is not at rest: times of a sweep are realistic, numbers of sweeps are not.
     """
     from benchmarks.packing import Packing
 

@@ -26,10 +26,7 @@ def add_peers(parser):
 
 
 def store(program, options, columns, measured):
-    """Print the tables `measured(options)`, and write them as CSV into the folder of --out.
-
-    `columns` is {name of a table: its columns}; `measured` returns {name: rows (dicts)}.
-    """
+    """Print the tables {name: rows} of `measured(options)`, and write them as CSV into --out."""
     given = {name: value for name, value in vars(options).items()
              if name not in ("out", "overwrite")}
     made = [f"{name}.csv" for name in columns]
@@ -39,8 +36,7 @@ def store(program, options, columns, measured):
         begin()
         for name, rows in tables.items():
             _show(name, rows, columns[name])
-            table = files.table(columns[name], rows)
-            files.write(os.path.join(options.out, f"{name}.csv"), table)
+            files.write(os.path.join(options.out, f"{name}.csv"), files.table(columns[name], rows))
 
 
 def _show(title, rows, columns):

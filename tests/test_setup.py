@@ -148,9 +148,8 @@ def machine(tmp_path):
 
 
 def two_at_once(machine, code, tool, work, until, **environment):
-    """(output, errors) of two processes; `tool` does its work, then waits for `until(flocks)`.
-
-    `flocks` are the calls of flock: "flock -w …" in a loop, then "flock 9" after the notice.
+    """(output, errors) of two processes; `tool` works, then waits for `until(calls of flock)`:
+    "flock -w …" in a loop, then "flock 9" after the notice.
     """
     environment["YADE_RCR_PATIENCE"] = "0.05"  # seconds
     end = machine.path / "end"
@@ -232,8 +231,7 @@ def test_a_yade_of_the_user_needs_no_set_up(own_yade):
     own_yade.succeeds("ready; enter yade -n", f"own YADE -n: {python}\n", YADE_PREFIX="own")
     # a script that starts another one
     inner = f". {own_yade.repo}/scripts/lib/environment.sh; ready; enter yade"
-    again = f"ready; enter bash -c '{inner}'"
-    assert "own YADE" in own_yade.run(again, YADE_PREFIX="own")[1]
+    assert "own YADE" in own_yade.run(f"ready; enter bash -c '{inner}'", YADE_PREFIX="own")[1]
     assert not own_yade.called("apt-get")
 
 
@@ -244,8 +242,7 @@ def test_a_yade_of_the_user_is_built_with_its_sources(own_yade):
             file.write(changed)
         own_yade.calls.write_text("")
         own_yade.succeeds("ready; build", YADE_PREFIX="own")
-        configured = own_yade.called("cmake")[0]
-        assert configured.endswith(f"-DYADE_SOURCE_DIR={own_yade.path}/trunk")
+        assert own_yade.called("cmake")[0].endswith(f"-DYADE_SOURCE_DIR={own_yade.path}/trunk")
 
 
 def test_a_wrong_prefix_is_refused(own_yade):

@@ -55,10 +55,7 @@ def folder(kind, name, options):
 
 
 def settled(status, limit, retry=False):
-    """True for a point that need not run again.
-
-    It has numbers, has failed, or reached a time limit of at least `limit` seconds. With `retry`
-    only points with numbers are settled.
+    """True for a point with numbers, or without `retry` one that failed or had at least this limit.
     """
     if status.startswith(GIVEN_UP) and float(status.removeprefix(GIVEN_UP).split()[0]) < limit:
         return False
@@ -66,9 +63,7 @@ def settled(status, limit, retry=False):
 
 
 class Table:
-    """CSV of a chart, written after each point so that an interrupted run resumes.
-
-    Rows of other `settings` stay in the file; None uses all rows.
+    """CSV of a chart, written after each point; rows of other `settings` stay, None uses all rows.
     """
 
     def __init__(self, path, columns, settings=None):

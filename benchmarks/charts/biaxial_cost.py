@@ -57,7 +57,6 @@ SLIDING = 0.99  # smallest I_m of a sliding contact
 
 # ---- packings and laws
 
-
 def compacted(eta, seed, options):
     """Compacted packing of an elongation and a seed, made at the first call."""
     folder = charts.folder("packings", f"n{options.particles}-e{eta:g}-s{seed}", options)
@@ -79,7 +78,6 @@ def rigid(test, dt, tolerance, inertial_number):
 
 
 # ---- the chart
-
 
 def _sheared(test):
     """Shear to 20 % of strain; returns means over the second half."""
@@ -106,9 +104,8 @@ def _sheared(test):
 
 def _energies(test):
     """Dissipation by friction and unaccounted energy over the work of the walls in `ACCOUNT`.
-
-    YADE's accounts lag by a step. They also count a local damping of the driven top wall, which
-    does not act on it.
+    YADE's accounts lag by a step, and count a local damping of the driven top wall that does not
+    act.
     """
     O.trackEnergy = True
     last = _work(test)
@@ -167,14 +164,11 @@ def run(name, options):
         test, first = Stock(test, row["stiffness"]), 0
     else:
         test = rigid(test, row["dt"], row["tolerance"], row["inertial_number"])
-    found = _sheared(test)
-    return [dict(row, **found, steps=O.iter - first)]
+    return [dict(row, **_sheared(test), steps=O.iter - first)]
 
 
 def _difference(runs, target, name):
-    """Processor time [s], mean difference from the target and its standard error.
-
-    The standard error of one pair is NaN. `ERRORS` have no target.
+    """Processor time [s], mean difference from the target, if any, and its standard error or NaN.
     """
     exact = lambda seed: 0 if name in ERRORS else target[seed][name]
     differences = [row[name] - exact(seed) for seed, row in runs.items() if seed in target]
@@ -260,5 +254,4 @@ def ratios(rows):
         for swept, line in of_eta[OBSERVED[0]].items():
             for k, (value, seconds, *_) in enumerate(line):
                 cells = [_formatted(name, *of_eta[name][swept][k][2:]) for name in OBSERVED]
-                setting = f"η = {eta:g}, {names[swept].format(value)}"
-                yield [setting, f"{seconds:.2g}", *cells]
+                yield [f"η = {eta:g}, {names[swept].format(value)}", f"{seconds:.2g}", *cells]

@@ -50,7 +50,6 @@ EXACT = 1e-9  # smaller relative errors are rounding
 
 # ---- scenes
 
-
 def _slope(body):
     rough, alpha = material(), math.atan(0.6)
     grain = body(rough)
@@ -132,7 +131,6 @@ def _simulate(scene, law, dt, tolerance, stiffness, seed):
 
 
 # ---- the chart
-
 
 def points(options):
     dts = (2e-2, 5e-3, 1e-3) if options.quick else (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4)

@@ -74,7 +74,6 @@ def points(options):
 
 # ---- tests
 
-
 def _test(name, options, folder):
     """Test of a point, from its checkpoint or its compacted packing."""
     if (folder / CHECKPOINT).exists():
@@ -154,7 +153,6 @@ def observed(networks):
 
 
 # ---- limit, changes and figure
-
 
 def slope_of_rates(rows, name):
     """Slope b of the fit y = y₀ + b √I, with a y₀ for each seed, and its standard error."""

@@ -30,9 +30,7 @@ class StockSprings(Springs):
 
 
 class Stock(Biaxial):
-    """Biaxial test of clumps of spheres under the stock law, in place of a compacted test.
-
-    `stiffness` is that of a pair of spheres along the normal over the confining stress, k_n/σ₀.
+    """Biaxial test of clumps of spheres under the stock law; `stiffness` is k_n/σ₀ of two spheres.
     """
 
     def __init__(self, test, stiffness):
@@ -113,9 +111,7 @@ def _grain(body):
 
 
 def _pairs(walls):
-    """{ids of two bodies: [normal force, shear force, sum of contact points, their number]}.
-
-    A wall is the second body; forces act on the second body.
+    """{ids: [normal, shear force on the second, sum of contact points, number]}; walls are second.
     """
     found = {}
     for i in O.interactions:

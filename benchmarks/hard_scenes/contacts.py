@@ -88,10 +88,7 @@ def s07_parallel_sliding(make):
 @hard_scene("disc rolls over the joints of a floor", "largest |v/v₀ − 1| in 1 s and 8 joints",
             reason="rounding on a floor without joints; 1e-3, as in all scenes")
 def s08_joints(make):
-    """S8. It can touch the two corners of a joint only from above.
-
-    A detector that treats them as obstacles brakes the disc or makes it jump.
-    """
+    """S8. It can touch a joint only from above; a detector that misses this brakes or jams it."""
     rough, speed = material(), 30 * R  # m/s
     floor = [box((4 * R * (k + 0.3), -R), (2 * R, R), material=rough) for k in range(-1, 11)]
     disc = make(*floor, stadium(0, R, (0, R), material=rough))[-1]
@@ -114,8 +111,7 @@ def resultants(problem, **settings):
     """Solve; (pairs, 3): impulse (x, y) of each pair and its moment about body 2 over R [N s/m]."""
     impulse = rcr.solve(problem, max_iterations=1_000_000, **settings).reaction
     n = problem.normal
-    t = np.column_stack((-n[:, 1], n[:, 0]))
-    p = impulse[:, :1] * n + impulse[:, 1:] * t
+    p = impulse[:, :1] * n + impulse[:, 1:] * np.column_stack((-n[:, 1], n[:, 0]))
     moment = (problem.arm2[:, 0] * p[:, 1] - problem.arm2[:, 1] * p[:, 0]) / R
     pair = pairs_of(problem)
     return np.array([np.bincount(pair, column) for column in (*p.T, moment)]).T
@@ -125,9 +121,8 @@ def resultants(problem, **settings):
             "largest difference of a pair's resultant between solvers, relative", 1e-6,
             "residual 1e-10 times the condition of the stack, n² = 25, with a margin", True)
 def s09_side_contacts(make):
-    """S9. Five flat RCRs on each other under oblique gravity.
-
-    The tangential force divides between two points in any ratio; resultant and moment are unique.
+    """S9. Flat RCRs under oblique gravity: a pair's resultant and moment are unique, its forces
+    not.
     """
     rough = material()
     bricks = [flat((0.1 * R * k, flat_row(k)), rough) for k in range(5)]
@@ -175,15 +170,13 @@ def s10_shuffled(make):
 @hard_scene("near miss of a corner and of a disc", "|change of velocity| / speed",
             reason="the exact value is 0; 1e-3, as in all scenes")
 def s16_near_miss(make):
-    """S16. A contact with a gap is a plane, the tangent at the closest point.
-
-    The curved path around it can look like a hit.
+    """S16. The contact plane is the tangent at the closest point; a curved path can look like a
+    hit.
     """
     rough, speed, clearance = material(), 100 * R, 1e-3 * D
     obstacle = stadium(0, R, (4 * R, -R), material=rough, fixed=True)
     disc = stadium(0, R, (-5.03 * R, R + clearance), material=rough)
-    corner = box((0, -R), (R / 2, R), material=rough)
-    disc = make(corner, obstacle, disc, gravity=(0, 0, 0))[-1]
+    disc = make(box((0, -R), (R / 2, R), material=rough), obstacle, disc, gravity=(0, 0, 0))[-1]
     state(disc).vel = (speed, 0, 0)
 
     def measure(clock):

@@ -258,7 +258,6 @@ def _look(course, ids):
 
 # ---- one scene of each motion, for the suite of hard scenes
 
-
 SECONDS = 0.5  # duration of a hard scene, in which the drive moves by 3 R
 
 

@@ -12,10 +12,7 @@ from .stage import (D, G, R, deepest, dense_row, hard_scene, kinetic, material, 
 
 @hard_scene("light grain lands on a settled pile", "deepest overlap of the grain, in its diameters")
 def s01_grain_on_pile(make):
-    """S1. The pile of 234 heavy grains meets a stop criterion over all contacts.
-
-    The impulse of the light one, 1e-3 of theirs, is then still wrong.
-    """
+    """S1. When 234 heavy grains meet the criterion, the light one's impulse is still wrong."""
     rough, columns, small = material(), 20, R / 5
     make(*open_box(columns * D, rough),
          *[stadium(0, R, c, material=rough) for c in rows(12, columns, dense_row)])
@@ -125,9 +122,7 @@ def s12_slip_reversal(make):
 @hard_scene("Newton's cradle", "largest |kinetic energy / first − 1| in 0.5 s",
             reason="tolerance 1e-4 in each velocity, squared, over some impacts")
 def s13_cradle(make):
-    """S13. One of five discs in touch is hit, e = 1; energy and momentum must be conserved.
-
-    Newton's rule has no waves: the last disc does not get all.
+    """S13. One of five discs in touch is hit, e = 1. Newton's rule has no waves: all discs move on.
     """
     smooth = material(0)
     discs = [stadium(0, R, (D * k - (R if k == 0 else 0), 0), material=smooth) for k in range(6)]

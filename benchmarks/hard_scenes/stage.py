@@ -45,10 +45,7 @@ class ContactDynamics:
 
 @dataclasses.dataclass(frozen=True)
 class Smooth:
-    """Springs of the stiffness `young` [Pa] or `kn` [N/m], with `damping` over critical damping.
-
-    The restitution of a scene is ignored.
-    """
+    """Springs `young` [Pa] or `kn` [N/m], `damping` over critical damping; without restitution."""
 
     young: float = 1e8
     damping: float = 0.2
@@ -62,10 +59,7 @@ class Smooth:
 
 
 def build(law, dt, *bodies, gravity=(0, -G, 0), restitution=0):
-    """Reset YADE and make a scene of these bodies under the law; returns their ids.
-
-    `gravity` is in m/s²; `restitution` is the coefficient of all contacts.
-    """
+    """A fresh scene of these bodies under the law, gravity in m/s², one restitution; their ids."""
     for body in bodies:
         body.material.young = law.young
     O.reset()
@@ -87,11 +81,9 @@ def on_floor(make, rough, *bodies, **options):
 
 @dataclasses.dataclass(frozen=True)
 class Scene:
-    """A hard scene; measured ≤ BOUND must hold.
-
-    `set_up(make)` builds it by `make`, which is `build` with a law and a time step. It returns the
-    ids of bodies that must not move in 10 s, or the function `measure(clock)`, which advances the
-    scene and returns the measured number.
+    """A hard scene; measured ≤ BOUND must hold. `set_up(make)` builds it by `make`, `build` with a
+    law and a time step. It returns ids of bodies that must not move in 10 s, or a function
+    `measure(clock)`.
     """
 
     set_up: Callable

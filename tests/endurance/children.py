@@ -31,9 +31,8 @@ def parser(description, scenes):
 
 
 def check(outcome, options, seconds=math.inf, seen=lambda seed, numbers: None):
-    """Run the scenes of the options and print each error; returns sums and seeds of failed scenes.
-
-    `seen` receives the numbers of each scene and may remove some.
+    """Run the scenes of the options and print each error; returns sums of the numbers, of which
+    `seen` may remove some, and the seeds of failed scenes.
     """
     if options.child:
         _serve(outcome, range(options.first, options.first + options.scenes))

@@ -32,9 +32,8 @@ def random_scene(seed):
 
 
 def column(rng):
-    """A column of grains above an obstacle, or in a periodic cell.
-
-    Friction acts on at most two grains and no clumps: others have several solutions.
+    """A column of grains above an obstacle, or in a periodic cell. More than two grains, or clumps,
+    are without friction, since they have several solutions.
     """
     pick = lambda *values: values[rng.integers(len(values))]
     about = lambda by: by * complex(*rng.uniform(-0.7, 0.7, 2))
@@ -166,9 +165,8 @@ def angle(body):
 
 
 def advance(scene, steps):
-    """The scene after each step, until a step has not converged, or has begun with overlaps.
-
-    `shifts` are the displacements of the bodies by the position correction [m].
+    """The scene after each step, until one has not converged or begins with overlaps; `shifts` [m]
+    are those of the position correction.
     """
     ids = build(scene, **FINE)
     start = {k: (center(k), angle(k)) for _, parts in ids for k in parts}

@@ -158,7 +158,6 @@ def run(code, seconds=120):
 
 # ---- problems
 
-
 def problem_of(name, inverse_mass, free_velocity, bodies, normal, arm1=(0, 0), arm2=(0, 0), bias=0,
                friction=0, seed=None):
     """Problem without impulses; a single vector or number applies to every point."""
@@ -189,7 +188,6 @@ def grain(p, bias=0.0, v=(0.5, -1.0), friction=0.5, mass=2.0):
 
 def pile(seed, columns=12, rows=9):
     """Polydisperse particles in loose rows on a fixed floor, between a fixed and a pushed wall.
-
     Some pairs touch at two points, some contacts are open, one body can only rotate.
     """
     rng = np.random.default_rng(seed)
@@ -244,10 +242,8 @@ def stored(name):
 
 
 def wall_of_bricks(seed, courses=8, bricks=10, tilt=1e-3):
-    """Long particles in courses, each on two of the course below, on a fixed floor.
-
-    Near-parallel sides with two points each: the forces are indeterminate. Gravity and small
-    random velocities; the ends are free.
+    """Long particles in courses on a fixed floor under gravity, each on two of the course below.
+    Near-parallel sides with two points each: the forces are indeterminate.
     """
     rng = np.random.default_rng(seed)
     length, height = 1.0, 0.2
@@ -292,10 +288,7 @@ def square_bonds(side, left=None, floor=None, right=None, top=None):
 
 
 def jammed_box(seed, size=14, closing=0.0):
-    """Discs on a square grid that fills a box of four prescribed walls, all in contact.
-
-    The top wall moves down at the speed `closing`: then no rigid solution exists.
-    """
+    """Discs that fill a box of four prescribed walls; a lid with the speed `closing` jams them."""
     count = size * size
     bodies, n = square_bonds(size, *range(count, count + 4))
     m = np.repeat([[1.0, 1.0, 8.0], [0, 0, 0]], [count, 4], axis=0)

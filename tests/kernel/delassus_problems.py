@@ -38,9 +38,7 @@ class Problem:
 
 
 def heap(seed, bodies, contacts, load=0.5):
-    """Bodies with random contact points among themselves and with the ground, the last body.
-
-    `load` is the mean approach speed [m/s].
+    """Bodies with random contacts, also with the ground; `load` is the mean approach speed [m/s].
     """
     rng = np.random.default_rng(seed)
     pairs = [(k, rng.integers(k) if k else bodies) if k < bodies else

@@ -39,12 +39,10 @@ def directions(rng, count, a_c, axis):
 
 def anisotropic(count, a_c, a_ln, a_lt, a_fn, a_ft, seed=0, axis=np.pi / 2):
     """Contacts of P(θ) ∝ 1 + a_c cos 2(θ − θσ), with branches and forces of the paper's form."""
-    rng = np.random.default_rng(seed)
-    theta = directions(rng, count, a_c, axis)
+    theta = directions(np.random.default_rng(seed), count, a_c, axis)
     cos, sin = np.cos(2 * (theta - axis)), np.sin(2 * (theta - axis))
     branch = np.column_stack([1 + a_ln * cos, a_lt * sin])
-    force = np.column_stack([1 + a_fn * cos, a_ft * sin])
-    return network(theta, branch, force)
+    return network(theta, branch, np.column_stack([1 + a_fn * cos, a_ft * sin]))
 
 
 def random_network(count=500, seed=3):
@@ -57,10 +55,8 @@ def random_network(count=500, seed=3):
 
 def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5, a_c=0.2, a_fn=0.3,
             a_ft=0.1, axis=np.pi / 2):
-    """Network of grains at random places with exponential forces.
-
-    P(θ), ⟨f_n⟩(θ) and ⟨f_t⟩(θ) have the paper's form, |f_t| ≤ µ f_n. The tangential component is
-    along n turned by −90°, as in the paper.
+    """Grains at random places with P(θ), ⟨f_n⟩(θ), ⟨f_t⟩(θ) of the paper's form, |f_t| ≤ µ f_n, and
+    exponential forces; tangents are n turned by −90°, as in the paper.
     """
     rng = np.random.default_rng(seed)
     theta = directions(rng, contacts, a_c, axis)

@@ -128,10 +128,7 @@ def test_densities_and_networks_add_up(result):
 
 
 def test_standard_error_is_that_of_repeated_sampling():
-    """a_c of S snapshots of C contacts has the error √(2/(S C)).
-
-    Its estimate from S = 20 scatters by 1/√(2 S) = 16 %.
-    """
+    """a_c of S snapshots of C contacts has the error √(2/(S C)), estimated to 1/√(2 S) = 16 %."""
     ensemble = Ensemble([packing(0.5, seed=k) for k in range(20)])
     grids = observables.Grids.of([ensemble], 0.4)
     error = observables.measures(ensemble, grids)["O15"]["a_c_error"][-1]
@@ -143,10 +140,8 @@ def test_standard_error_is_that_of_repeated_sampling():
 
 
 def test_forces_in_strips_from_wall_to_wall():
-    """Forces that fall by half from the left wall, x = −5, to the right one, x = 25.
-
-    The mean of each strip is within 4 errors of the line. Contacts between grains fill x in
-    [0, 30] only; contacts with the side walls mark the ends of the sample.
+    """Forces fall by half from the left wall, x = −5, to the right one, x = 25, where contacts with
+    them mark the ends of the sample; other contacts are in [0, 30].
     """
     made = packing(0.5, contacts=20_000, a_fn=0, a_ft=0)
     columns = {name: column.copy() for name, column in made.contacts.items()}
@@ -286,8 +281,7 @@ def of_lengths(network, lengths):
 @pytest.mark.parametrize("least, first", [(0.5, 0.5), (0.496, 0.5), (0.15, 0.15)])
 def test_the_bins_of_lengths_hold_small_grains(least, first):
     """They start at 1 − η = 0.5, up to overlaps, or at the least ℓ/R_max of smaller grains."""
-    grids = measured(of_lengths(packing(0.5), least))[1]
-    assert grids.length[[0, -1]] == pytest.approx([first, 2])
+    assert measured(of_lengths(packing(0.5), least))[1].length[[0, -1]] == pytest.approx([first, 2])
 
 
 def test_contacts_outside_the_range_of_lengths_are_left_out():

@@ -4,6 +4,7 @@ import dataclasses
 import os
 import sys
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -71,8 +72,7 @@ def test_the_image_of_a_solution_solves_the_mirrored_problem(times):
         mirrored = measure.mirrored(mirrored, change=0)
     assert len(mirrored.inverse_mass) == 2**times * len(problem.inverse_mass)
     assert residual(mirrored) < 10 * before + 1e-14
-    changed = measure.mirrored(problem)
-    assert residual(changed) > 1e-4  # other velocities, another solution
+    assert residual(measure.mirrored(problem)) > 1e-4  # other velocities, another solution
 
 
 def test_a_problem_without_walls_has_no_mirror():
@@ -96,9 +96,7 @@ def test_lattice_is_one():
 # --- scripts/bench_solver.py
 
 def bench(script, *arguments, out, code=0):
-    """Rows of a table by its name, of a benchmark with the folder `out`; or its CompletedProcess
-    that may fail, for the code None.
-    """
+    """A function of a table's name that returns its rows, or for the code None CompletedProcess."""
     done = ended(sys.executable, ROOT / "scripts" / script, *arguments, "--out", out, cwd="/",
                  code=code)
     return done if code is None else lambda table: rows_of(out / f"{table}.csv")
@@ -286,27 +284,16 @@ def test_charts_compact_again_under_another_protocol(tmp_path, monkeypatch):
     from benchmarks import charts
     from benchmarks.charts import biaxial_cost
 
-    class Test:
-        """Counts the tests that are prepared; a checkpoint is an empty file."""
-
-        made, load = 0, Path
-        compact = lambda self: None
-
-        @classmethod
-        def prepare(cls, *_, **__):
-            cls.made += 1
-            return cls()
-
-        def save(self, folder):
-            (Path(folder) / "checkpoint.yade.gz").touch()
-
-    monkeypatch.setattr(biaxial_cost, "Biaxial", Test)
+    fake = mock.Mock()  # a checkpoint is an empty file
+    fake.load, test = Path, fake.prepare.return_value
+    test.save = lambda folder: (Path(folder) / "checkpoint.yade.gz").touch()
+    monkeypatch.setattr(biaxial_cost, "Biaxial", fake)
     options = charts.Options(str(tmp_path), True, 50, "", "", 60)
     first, again = (biaxial_cost.compacted(0.5, 1, options) for _ in range(2))
-    assert first == again and Test.made == 1
+    assert first == again and test.compact.call_count == 1
     changed = dataclasses.replace(charts.PROTOCOL, balance_tolerance=1e-3)
     monkeypatch.setattr(charts, "PROTOCOL", changed)
-    assert biaxial_cost.compacted(0.5, 1, options) != first and Test.made == 2
+    assert biaxial_cost.compacted(0.5, 1, options) != first and test.compact.call_count == 2
 
 
 def sides(force=8.0):

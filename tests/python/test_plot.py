@@ -89,8 +89,7 @@ colors_of = lambda scene, **options: grains_of(plot.packing(scene, **options)).g
 def test_orientations_repeat_after_half_a_turn():
     around = frame(3, angle=np.array([0.3, 0.3 + np.pi, 0.3 - 5 * np.pi]))
     assert np.ptp(colors_of(around), axis=0) == pytest.approx(0, abs=1e-6)  # of 256 steps
-    disc = frame(1, half_length=np.zeros(1))
-    assert colors_of(disc)[0] == pytest.approx(to_rgba(drawing.GRAIN))
+    assert colors_of(frame(1, half_length=np.zeros(1)))[0] == pytest.approx(to_rgba(drawing.GRAIN))
 
 
 @pytest.mark.parametrize("color", [*plot.SCALES, *plot.CATEGORIES, "0.5", "tab:blue"])
@@ -213,8 +212,7 @@ def test_a_cell_shows_grains_inside_and_their_images():
 
 
 def test_images_in_a_sheared_cell():
-    rng = np.random.default_rng(5)
-    scene = frame(40, position=rng.uniform(0, 30, (40, 2)))
+    scene = frame(40, position=np.random.default_rng(5).uniform(0, 30, (40, 2)))
     scene.cell = np.array([[10.0, 4.0], [0.5, 8.0]])
     at = scene.grains["position"] + scene.wrap(scene.grains["position"])
     rows, shifts = plot._images(scene, at)
@@ -326,5 +324,4 @@ def test_a_picture_has_few_artists_at_any_number_of_grains(side):
     dense.contacts = contacts(len(pairs), body1=pairs[:, 0], body2=pairs[:, 1],
                               position=dense.grains["position"][pairs[:, 0]] + away, normal=away,
                               force=force, arm1=away, arm2=-away)
-    axes = plot.packing(dense, contacts="force")
-    assert len(axes.get_children()) < 30
+    assert len(plot.packing(dense, contacts="force").get_children()) < 30

@@ -127,8 +127,7 @@ def test_no_contacts(tmp_path):
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_contact_that_no_impulse_can_open_does_not_converge(solver):
     """W_nn = 0: the residual omits the contact."""
-    closing = [-1, 0]
-    assert not solve(problems.DelassusProblem(([0], [0], [0.0]), closing, [0.5]), solver).converged
+    assert not solve(problems.DelassusProblem(([0], [0], [0.0]), [-1, 0], [0.5]), solver).converged
     assert solve(problems.DelassusProblem(([0], [0], [0.0]), [1, 0], [0.5]), solver).converged
     for bias in (-1, 1):  # the second body moves along x only, the normal is y
         bodies = problems.BodyProblem([[0, 0, 0], [1, 0, 0]], np.zeros((2, 3)), [[0, 1]], [[0, 1]],
@@ -393,6 +392,5 @@ def test_stored_problems(path, solver, tolerance):
                          ids=lambda value: getattr(value, "name", None))
 def test_stored_problems_without_their_bodies(path, tolerance):
     """With bodies the stored steps reach 1e-10; without bodies the last one stalls at 2e-7."""
-    problem = problems.load(path).delassus()
-    found = solve(problem, "exact", tolerance, 20000)
+    found = solve(problems.load(path).delassus(), "exact", tolerance, 20000)
     assert found.converged and found.residual <= tolerance

@@ -14,10 +14,7 @@ def power_sample(rng, beta, count, low=0.01):
 
 
 def assert_fits(fits, expected, bias):
-    """200 samples of 500: the mean is within 4 errors of the mean plus the bias of a fit, 1/n.
-
-    The scatter equals the stated error within 20 % (4 × 1/√400).
-    """
+    """Means of 200 samples of 500 within 4 errors plus a bias of 1/n; scatter 20 % (4 × 1/√400)."""
     found, errors = np.array(list(fits)).T
     assert found.mean() == pytest.approx(expected, abs=4 * found.std() / np.sqrt(200) + bias)
     assert errors.mean() == pytest.approx(found.std(), rel=0.2)
@@ -67,8 +64,7 @@ def test_density_and_class_means():
 
 def test_pearson():
     """y = c x + √(1 − c²) z has the coefficient c; of n pairs with the error (1 − c²)/√n."""
-    rng = np.random.default_rng(4)
-    x, z = rng.normal(size=(2, 100_000))
+    x, z = np.random.default_rng(4).normal(size=(2, 100_000))
     y = -0.22 * x + np.sqrt(1 - 0.22**2) * z
     assert statistics.pearson(x, y) == pytest.approx(-0.22, abs=4 / np.sqrt(100_000))
     assert np.isnan(statistics.pearson(np.ones(5), x[:5]))

@@ -41,8 +41,7 @@ SCENES = {
 
 def scene(**changes):
     """Means of grains, forces and energies of a scene of the fuzzer after TIME."""
-    description = {**PLAIN, **changes}
-    scene_fuzzer.build(description, np.random.default_rng(1))
+    scene_fuzzer.build({**PLAIN, **changes}, np.random.default_rng(1))
     O.run(round(TIME / O.dt), True)
     grains = [b for b in O.bodies if not b.isClumpMember and b.state.blockedDOFs == "zXY"]
     mean = lambda of: float(np.mean([of(b.state) for b in grains]))
@@ -60,10 +59,7 @@ def scene(**changes):
 
 
 def stored(name, solver):
-    """The solution of a packing under shear from a cold start.
-
-    Forces are not unique: they depend on the solver.
-    """
+    """The solution of a packing under shear from a cold start; its forces depend on the solver."""
     tolerance = 1e-8 if solver in ("exact", "auto") else 1e-3
     solution = rcr.solve(str(TESTS / "data" / name), solver=solver, tolerance=tolerance,
                          max_iterations=20000)

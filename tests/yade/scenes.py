@@ -67,8 +67,7 @@ def springs(*bodies, share=0.02, local_damping=0.0, **options):
 
 
 def grain_on_floor(a, friction=0.5, height=0.1, angle=0, make=build, **options):
-    """A grain of the half length `a` and the cap radius 0.1 m, its centre at `height` [m], and a
-    floor, which it touches by default; returns the grain's id, 1.
+    """A grain (half length a, cap radius 0.1 m) at `height` [m] on a floor, by default; its id, 1.
     """
     rough = material(friction)
     return make(rcr.wall("y", 0, material=rough),

@@ -19,7 +19,6 @@ CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)
 
 # ---- poses
 
-
 def random_pairs(seed, n=PAIRS):
     """Stadiums (n, 2) and poses (n, 3) of n pairs of seven kinds, most of them near contact."""
     rng = np.random.default_rng(seed)
@@ -62,7 +61,6 @@ def assert_none(fails, pairs, what, function="overlap_stadiums"):
 
 # ---- references
 
-
 def dot(a, b):
     return np.einsum("...i,...i", a, b)
 
@@ -95,11 +93,9 @@ def core_distance(stadium1, pose1, stadium2, pose2):
 
 
 def reference_points(stadium1, pose1, stadium2, pose2, alert):
-    """Number of points by the rule of the second point, and margins of its decisions.
-
-    Candidates are the ends of one core that face the interior of the other core, on the side of
-    the closest point and within the alert distance. The second point is the farthest candidate.
-    A margin is the least distance of a decision from its threshold; infinite without a threshold.
+    """Number of points by the rule of the second point, and the least margins of its decisions.
+    Candidates are ends of one core that face the interior of the other, on the side of the closest
+    point and within the alert distance. The second point is the farthest candidate.
     """
     radii = stadium1[:, 1] + stadium2[:, 1]
     found = []  # position, normal, gap, inside, margin of each end
@@ -134,7 +130,6 @@ def reference_points(stadium1, pose1, stadium2, pose2, alert):
 
 # ---- two stadiums
 
-
 @pytest.fixture(scope="module", params=range(4), ids="seed {}".format)
 def pairs(request):
     return random_pairs(request.param)
@@ -154,9 +149,7 @@ def test_gap_is_the_signed_distance_of_the_cores(pairs):
 
 
 def test_points_lie_midway_between_the_surfaces(pairs):
-    """position ± (gap/2) n lie on the surfaces: R'₁ and R'₂ from points of the cores.
-
-    n is a unit vector from body 1 to body 2. Crossing cores are excluded.
+    """position ± (gap/2) n lie R'₁ and R'₂ from the cores, unless these cross; n is a unit vector.
     """
     stadium1, pose1, stadium2, pose2 = pairs
     found = _kernel.overlap_stadiums(*pairs, ALERT)
@@ -224,19 +217,16 @@ def test_eccentric_side_contact_spans_the_shadow():
 
 # ---- invariance
 
-
 def test_flush_equal_bodies_have_two_points():
     """At any position and angle, the ends face each other up to rounding."""
     rng = np.random.default_rng(7)
     n = 10_000
     stadium = np.tile([0.5, 0.5], (n, 1))
-    center = rng.uniform(-10, 10, (n, 2))
-    pose = np.column_stack([center, rng.choice([0, rng.uniform(-3, 3)], n)])
+    pose = np.column_stack([rng.uniform(-10, 10, (n, 2)), rng.choice([0, rng.uniform(-3, 3)], n)])
     normal = np.column_stack([-np.sin(pose[:, 2]), np.cos(pose[:, 2])])
     above = pose + np.column_stack([normal, np.zeros(n)])
     pairs = stadium, pose, stadium, above
-    count = _kernel.overlap_stadiums(*pairs, ALERT)["count"]
-    assert_none(count != 2, pairs, "one point")
+    assert_none(_kernel.overlap_stadiums(*pairs, ALERT)["count"] != 2, pairs, "one point")
 
 
 def test_collinear_bodies_have_consistent_normals():
@@ -319,7 +309,6 @@ def test_nan_is_no_contact(array, column):
 
 # ---- wall and box
 
-
 def test_wall_contacts_each_cap():
     """The gap of an end is (end − origin)·n − R'; a disc has one end."""
     rng = np.random.default_rng(3)
@@ -344,10 +333,8 @@ def test_wall_contacts_each_cap():
 
 
 def box_gap(half, stadium, pose):
-    """Signed distance of a core segment and the box |x| ≤ hx, |y| ≤ hy, minus the cap radius.
-
-    For an overlap: the largest separation over the directions. Else: the least distance of the
-    ends to the box, and of the corners to the segment.
+    """Signed distance of a core segment and the box |x| ≤ hx, |y| ≤ hy, minus the cap radius: the
+    largest separation of an overlap, else the least distance of ends to box or corners to segment.
     """
     e, q = axes(pose), pose[:, :2]
     ends = [q - stadium[:, :1] * e, q + stadium[:, :1] * e]
@@ -406,7 +393,6 @@ def test_box_one_case_per_branch(pose, gaps, xs):
 
 # ---- two points against four
 
-
 def side_contact(points, friction, free_velocity):
     """Body 1 on the fixed body 0 at points (x, 0): centre (0, 1), mass 1, inertia 0.5."""
     arm0 = np.column_stack([points, np.zeros(len(points))])
@@ -418,11 +404,7 @@ def side_contact(points, friction, free_velocity):
 @pytest.mark.parametrize("friction", [0, 0.3, 0.8])
 @pytest.mark.parametrize("seed", range(5))
 def test_two_points_carry_what_four_do(friction, seed):
-    """Two points have the resultant and moment of the four points of the paper.
-
-    The four points are in pairs at the ends of the shadow: two of the rectangles, two of a cap on a
-    side. Only sums over a pair are determined.
-    """
+    """The four of the paper are pairs at the ends of the shadow, of which sums are determined."""
     rng = np.random.default_rng(seed)
     ends = np.sort(rng.uniform(-1, 1, 2))
     velocity = (rng.normal(), -1, 0.3 * rng.normal())

@@ -13,9 +13,7 @@ TRIAL, INTERVAL = 8, 400  # rounds of a trial; rounds between trials
 
 
 def modes(choice, rounds, parallel, serial, cold=1):
-    """Modes used, True if parallel, for these round times.
-
-    The first two rounds of a mode take `cold` times as long.
+    """Modes used, True if parallel, for these round times; the first two take `cold` times as long.
     """
     used = []
     for _ in range(rounds):
@@ -37,8 +35,7 @@ def test_faster_mode_is_used(parallel, serial, cold):
 
 
 def test_much_slower_mode_is_tried_briefly():
-    used = modes(_kernel.ParallelChoice(), 2000, 5.0, 1.0)
-    assert sum(used) == TRIAL + 4 * 3
+    assert sum(modes(_kernel.ParallelChoice(), 2000, 5.0, 1.0)) == TRIAL + 4 * 3
 
 
 def test_one_delayed_round_does_not_change_the_mode():
@@ -62,17 +59,13 @@ def test_mode_follows_the_machine():
     """Helpers that lose their cores are not used, until they are faster again."""
     choice = _kernel.ParallelChoice()
     modes(choice, 1000, 1.0, 1.8)
-    busy = modes(choice, 4000, 5.0, 1.8)
-    assert sum(busy[800:]) <= 3200 / INTERVAL * TRIAL
-    free = modes(choice, 4000, 1.0, 1.8)
-    assert sum(free[800:]) >= 3200 - 3200 / INTERVAL * TRIAL
+    assert sum(modes(choice, 4000, 5.0, 1.8)[800:]) <= 3200 / INTERVAL * TRIAL
+    assert sum(modes(choice, 4000, 1.0, 1.8)[800:]) >= 3200 - 3200 / INTERVAL * TRIAL
 
 
 @pytest.mark.parametrize("solver", ["nlgs", "nesterov"])
 def test_mode_changes_no_bit(solver):
-    """A shared island has the bits of one thread, in both modes and on busy cores.
-
-    One workspace solves twelve times. Other processes occupy all cores in solves 5 to 8.
+    """A shared island has the bits of one thread in twelve solves; cores are busy in solves 5 to 8.
     """
     problem, workspace = pile(2, 60, 40), _kernel.Workspace()
     settings = dict(tolerance=0, max_iterations=60)

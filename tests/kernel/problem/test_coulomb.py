@@ -64,10 +64,8 @@ def test_laws_hold_for_any_positive_definite_block(a, b, g, mu):
 
 @pytest.mark.parametrize("slip", [1e-3, 1.0, 100.0])
 def test_painleve_sticks(slip):
-    """For w_nn ≤ µ w_nt, sliding on that side is inconsistent and stick always holds.
-
-    Proof: p_n = (|g_n| + w_nt |p_t|)/w_nn ≥ |p_t|/µ, so |p_t| ≤ µ p_n. This is an impact without
-    collision: the tangential shock increases p_n.
+    """For w_nn ≤ µ w_nt stick holds: p_n = (|g_n| + w_nt |p_t|)/w_nn ≥ |p_t|/µ. The tangential
+    shock increases p_n: an impact without collision.
     """
     W, mu, g = np.array([[1.0, 1.5], [1.5, 3.0]]), 0.8, np.array([-1e-3, slip])
     p = solve(W, g, mu)
@@ -97,7 +95,6 @@ def test_projection_is_the_nearest_point_of_the_cone(n, t, mu):
 
 
 # ---- passive restitution
-
 
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 def test_restitution_without_friction_is_not_reduced(e):

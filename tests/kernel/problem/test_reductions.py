@@ -88,24 +88,16 @@ def test_discs_without_rotations_are_equal_to_rounding(make):
 
 def test_bodies_without_rotation_need_no_levers():
     """Long particles without rotation count as discs, unless a prescribed spin moves points."""
-    problem = frictionless(pile(6))
-    problem["inverse_mass"] = problem["inverse_mass"] * [1, 1, 0]
-    assert model(problem)["rotations"] > 0
-    assert_solved(problem)
-    problem["free_velocity"] = problem["free_velocity"] * [1, 1, 0]
-    assert model(problem)["rotations"] == 0
-    assert_solved(problem)
-
-
-def test_discs_on_a_rotating_drum():
-    """The rim of a drum moves: its contacts have a lever on a prescribed body."""
-    problem = discs(pile(13))
-    floor = np.flatnonzero(~problem["inverse_mass"].any(1))[0]
-    problem["free_velocity"][floor, 2] = 0.5
-    at_floor = problem["bodies"] == floor
-    problem["arm1"][at_floor[:, 0]] = problem["arm2"][at_floor[:, 1]] = 2.0, 0.3
-    assert model(problem)["rotations"] > 0
-    assert_solved(problem)
+    long, drum = frictionless(pile(6)), discs(pile(13))
+    long["inverse_mass"] = long["inverse_mass"] * [1, 1, 0]
+    still = long.copy("still", free_velocity=long["free_velocity"] * [1, 1, 0])
+    floor = np.flatnonzero(~drum["inverse_mass"].any(1))[0]  # its rim moves discs
+    drum["free_velocity"][floor, 2] = 0.5
+    at_floor = drum["bodies"] == floor
+    drum["arm1"][at_floor[:, 0]] = drum["arm2"][at_floor[:, 1]] = 2.0, 0.3
+    for problem, rotates in (long, True), (still, False), (drum, True):
+        assert (model(problem)["rotations"] > 0) == rotates
+        assert_solved(problem)
 
 
 @pytest.mark.parametrize("change", ["friction", "lever", "freed"])

@@ -1,41 +1,36 @@
 """Greedy colouring: the lowest colour free at both bodies. Driven bodies take none."""
 
 import numpy as np
+import pytest
 from rcr import _kernel
 
 OVERFLOW = -1
 
 
-def test_lowest_colour_that_is_free_at_both():
-    """The complete graph of four bodies needs three."""
-    coloring, pairs = _kernel.Coloring(4), [(0, 1), (2, 3), (1, 2), (0, 3), (0, 2), (1, 3)]
-    assert [coloring.take(a, True, b, True) for a, b in pairs] == [0, 0, 1, 1, 2, 2]
+def random_graph(seed):
+    """Which bodies are driven, and pairs."""
+    rng = np.random.default_rng(seed)
+    bodies = int(rng.integers(2, 60))
+    return rng.random(bodies) < 0.1, [rng.choice(bodies, 2, replace=False) for _ in range(200)]
 
 
-def test_a_driven_body_takes_no_colour():
-    coloring = _kernel.Coloring(40)
-    assert [coloring.take(0, False, k, True) for k in range(1, 40)] == [0] * 39
-    assert [coloring.take(k, True, 0, False) for k in range(1, 40)] == [1] * 39
+STAR = [(0, k) for k in range(1, 40)]
+GRAPHS = {"complete": ([0] * 4, [(0, 1), (2, 3), (1, 2), (0, 3), (0, 2), (1, 3)]),
+          "driven": ([1] + [0] * 39, STAR + [pair[::-1] for pair in STAR]),
+          "overflow": ([0] * 41, [*STAR, (39, 40)]),
+          **{f"seed {seed}": random_graph(seed) for seed in range(20)}}
 
 
-def test_overflow_of_a_body_with_many_contacts():
-    coloring, most = _kernel.Coloring(40), _kernel.Coloring.colors
-    taken = [coloring.take(0, True, k, True) for k in range(1, 30)]
-    assert taken == [*range(most), *[OVERFLOW] * (29 - most)]
-    assert coloring.take(29, True, 30, True) == 0, "overflow pairs take no colour"
-
-
-def test_random_graphs():
-    for seed in range(20):
-        rng = np.random.default_rng(seed)
-        bodies = int(rng.integers(2, 60))
-        fixed = rng.random(bodies) < 0.1
-        coloring, at = _kernel.Coloring(bodies), [set() for _ in range(bodies)]
-        for _ in range(200):
-            a, b = rng.choice(bodies, 2, replace=False)
-            color = coloring.take(int(a), not fixed[a], int(b), not fixed[b])
-            used = (set() if fixed[a] else at[a]) | (set() if fixed[b] else at[b])
-            free = [c for c in range(_kernel.Coloring.colors) if c not in used]
-            assert color == (free[0] if free else OVERFLOW), f"seed {seed}"
-            if color != OVERFLOW:
-                at[a].add(color), at[b].add(color)
+@pytest.mark.parametrize("driven, pairs", GRAPHS.values(), ids=GRAPHS)
+def test_a_pair_takes_the_lowest_colour_that_is_free_at_both(driven, pairs):
+    """Driven bodies and overflow pairs take none."""
+    coloring, at, taken = _kernel.Coloring(len(driven)), [set() for _ in driven], []
+    for a, b in pairs:
+        taken.append(coloring.take(int(a), not driven[a], int(b), not driven[b]))
+        used = set().union(*(at[body] for body in (a, b) if not driven[body]))
+        free = [c for c in range(_kernel.Coloring.colors) if c not in used]
+        assert taken[-1] == (free[0] if free else OVERFLOW)
+        if free:
+            at[a].add(taken[-1]), at[b].add(taken[-1])
+    if pairs is GRAPHS["complete"][1]:
+        assert taken == [0, 0, 1, 1, 2, 2]

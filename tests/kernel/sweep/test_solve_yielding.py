@@ -52,8 +52,7 @@ def test_vice_closes_as_in_its_closed_form(solver, compliance):
 @pytest.mark.parametrize("start", [0.0, 1.0, 1e6], ids="cold warm grown".split())
 def test_wedge_has_bounded_forces(start):
     problem = wedge()
-    size = np.linalg.norm(problem["impulse"])
-    problem["impulse"] = problem["impulse"] * (start / size)
+    problem["impulse"] = problem["impulse"] * (start / np.linalg.norm(problem["impulse"]))
     rigid = problem.solve("auto")
     found = problem.solve("auto", yield_compliance=COMPLIANCE)
     assert not rigid["yielded"] and found["yielded"]
@@ -73,8 +72,7 @@ def test_yielding_contacts_obey_their_laws():
     small = 1e-4 * abs(problem["free_velocity"]).max()
     for k, (n, t) in enumerate(p):
         limit = problem["friction"][k] * n
-        block = w[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
-        un, ut = u[k] + COMPLIANCE * block @ [n, t]
+        un, ut = u[k] + COMPLIANCE * w[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] @ [n, t]
         where = f"point {k}: u = ({un}, {ut}), p = ({n}, {t})"
         assert n >= 0 and abs(t) <= limit * (1 + 1e-9), where
         assert un > -small and (n == 0 or abs(un) < small), where
@@ -152,9 +150,8 @@ def test_refuses_settings_out_of_range(setting, name, value):
 
 @pytest.mark.parametrize("push", [0.0, 0.01])
 def test_overlaps_that_open_are_no_wedge(push):
-    """Overlaps push a row of bodies from a wall, against a load that moves its end at −push.
-
-    Body k leaves at k times the speed of one overlap: the rigid solution.
+    """Overlaps push a row from a wall, against its end at −push: body k leaves at k times the speed
+    of one overlap.
     """
     bodies, speed = 50, 1.0
     inverse = np.ones((bodies + 1, 3))

@@ -7,9 +7,8 @@ from rcr import _kernel
 
 
 def run(residual, error=0.0, change=math.inf, early=(), **settings):
-    """Sweeps until the test stops, and the sweeps at which it evaluated the criteria.
-
-    The measures are numbers or functions of the sweep. At the sweeps `early` it evaluates early.
+    """Sweeps until the stop, and those of evaluations, which are early at the sweeps `early`. The
+    measures are numbers or functions of the sweep.
     """
     test = _kernel.StopTest(**settings)
     sweep, measured = 0, []

@@ -50,8 +50,7 @@ def test_contacts_are_lines_with_forces(tmp_path):
     network = packing(0.6)
     contacts = meshio.read(vtk(tmp_path / "pile.vtm", network)[1])
     lines = contacts.points[contacts.cells_dict["line"]][..., :2]
-    count = len(network.contacts["body1"])
-    assert lines.shape == (2 * count, 2, 2)
+    assert lines.shape == (2 * len(network.contacts["body1"]), 2, 2)
     assert lines[0::2, 0] == pytest.approx(network.particles["position"][network.contacts["body1"]])
     assert lines[0::2, 1] == pytest.approx(network.contacts["position"])
     assert np.array_equal(lines[0::2, 1], lines[1::2, 0])
@@ -142,13 +141,9 @@ def test_series_grows_and_its_files_are_there(tmp_path):
     assert all((tmp_path / "out" / file).exists() for _, file in moments)
     parts = [part.attrib["part"] for part in xml.parse(series.index).iter("DataSet")]
     assert parts == 3 * ["0", "1", "2"]
-
-
-def test_a_series_resumes_at_an_earlier_time(tmp_path):
-    """A run loaded at 0.15 replaces its later files."""
-    for time in (0.0, 0.1, 0.2, 0.3, 0.15, 0.25):
-        VtkSeries(tmp_path).save(scene(time))
-    assert [time for time, _ in VtkSeries(tmp_path).moments()[::3]] == [0, 0.1, 0.15, 0.25]
+    for time in (0.4, 0.15, 0.25):  # a run loaded at 0.15 replaces its later files
+        VtkSeries(tmp_path / "out").save(scene(time))
+    assert [time for time, _ in VtkSeries(tmp_path / "out").moments()[::3]] == [0, 0.1, 0.15, 0.25]
 
 
 def test_a_series_rejects_files_out_of_order(tmp_path):

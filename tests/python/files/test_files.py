@@ -72,10 +72,7 @@ def _fill(path, letter):
 
 
 def test_two_writers_at_once_and_kills(tmp_path):
-    """The file is always whole and of one writer.
-
-    A kill leaves at most one part, which the next write removes.
-    """
+    """The file is whole and of one writer; a kill leaves one part, which the next write removes."""
     path = tmp_path / "shared"
     files.write(path, b"a" * 100_000)
     rng = np.random.default_rng(1)

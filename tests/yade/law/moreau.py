@@ -18,9 +18,7 @@ FASTEST = 10  # m/s; gaps that no pair closes within a step are left out
 
 @dataclasses.dataclass
 class Body:
-    """A disc (half_length 0) or rod; without inverse mass it is an obstacle. SI, per unit depth.
-
-    A long rod of radius 0 is a wall.
+    """A disc (half_length 0) or rod, radius 0: a wall; without inverse mass it is an obstacle. SI.
     """
 
     center: np.ndarray
@@ -109,8 +107,7 @@ def solve_point(w, q, friction):
 
 def solve(bodies, points, velocity, bias, friction, tolerance=1e-10):
     """Velocities (N, 3) after the step, impulses (K, 2), residual of docs/law.md, by Gauss–Seidel.
-
-    ‖p‖ is at least 1e-6 of the impulses that stop all points, since grazing impulses are rounding.
+    ‖p‖ is at least 1e-6 of the impulses that stop all points: grazing impulses are rounding.
     """
     count, p = len(points), np.zeros((len(points), 2))
     j = np.zeros((count, 2, len(bodies), 3))

@@ -193,8 +193,7 @@ def test_zigzag_column_presses_like_a_fluid():
     ids = build(*open_box(2 * R + dx, smooth), *reversed(discs),
                 **EXACT | dict(maxIterations=1_000_000))
     steps(3)
-    depth = np.arange(1, n + 1)
-    expected = (2 * depth - 1.0) * m * G * dx / dy
+    expected = (2 * np.arange(1, n + 1) - 1.0) * m * G * dx / dy
     expected[-1] = (n - 1) * m * G * dx / dy
     walls = [point_forces((n - 1 - k) % 2, ids[3 + k])[0, 0] for k in range(n)]
     assert walls == pytest.approx(expected, rel=1e-10)

@@ -122,8 +122,7 @@ def run_collision(seed):
 
 
 def test_random_collisions_keep_momentum_and_gain_no_energy():
-    results = np.array([run_collision(seed) for seed in range(1000)])
-    error, gain, overlap, met = results.T
+    error, gain, overlap, met = np.array([run_collision(seed) for seed in range(1000)]).T
     assert met.mean() > 0.9
     assert error.max() < 1e-10, f"seed {error.argmax()}"
     assert gain.max() < 1e-10, f"seed {gain.argmax()}"
@@ -144,14 +143,11 @@ def test_overlaps_of_other_bodies_do_not_count_as_missed_steps(place):
 
 @pytest.mark.parametrize("angle, slide", [(1.5, 0), (3, 1)])
 def test_a_turning_clump_meets_a_disc_on_its_curved_path(angle, slide):
-    """The head of a hammer ends its step in a disc that its first velocity would miss.
-
-    With `slide`, the clump moves so that the head starts at rest.
+    """Its first velocity would miss the disc; with `slide`, the head of the hammer starts at rest.
     """
     grain, dt, head = material(0.5), 1e-3, np.array((0.1, 0))
     build(dt=dt, gravity=(0, 0, 0), tolerance=1e-4)
-    members = [particle((s * 0.1, 0), R=0.01, eta=0, material=grain) for s in (-1, 1)]
-    hammer, _ = rcr.clump(members)
+    hammer, _ = rcr.clump([particle((s * 0.1, 0), R=0.01, eta=0, material=grain) for s in (-1, 1)])
     velocity = np.array((0, -slide * angle / dt * head[0]))
     O.bodies[hammer].state.vel = (*velocity, 0)
     O.bodies[hammer].state.angVel = (0, 0, angle / dt)

@@ -103,8 +103,7 @@ def test_forces_on_members_are_loads_of_the_clump():
     clump, members = two_discs((0, 0.1), 0, m)
     insert(3, ForceEngine(force=(0, -100, 0), ids=members))
     steps(50)
-    pressed = sum(i.phys.normalForce[1] for i in O.interactions)
-    assert pressed == pytest.approx(200, rel=1e-6)
+    assert sum(i.phys.normalForce[1] for i in O.interactions) == pytest.approx(200, rel=1e-6)
     assert O.bodies[clump].state.pos[1] == pytest.approx(0.1, abs=1e-6)
     assert np.abs(velocity(clump)).max() < 1e-9
 

@@ -24,8 +24,7 @@ def grain(center=(0, 0), R=0.1, eta=0.5, **options):
 
 
 def add(make, *arguments, **options):
-    rough = O.bodies[0].material
-    return O.bodies[O.bodies.append(make(*arguments, material=rough, **options))]
+    return O.bodies[O.bodies.append(make(*arguments, material=O.bodies[0].material, **options))]
 
 
 CALLS = [  # function, words of its ValueError

@@ -72,9 +72,7 @@ def box_of_springs():
 @pytest.mark.parametrize("scene", [pile, pressed_box, box_of_springs])
 @pytest.mark.parametrize("suffix", ["yade", "xml.bz2"])
 def test_a_saved_scene_continues_to_the_same_bits(scene, suffix, tmp_path):
-    """States, forces and starting impulses after 200 more steps; those of springs to rounding,
-    since a reload changes the order in which YADE adds their forces.
-    """
+    """Springs to rounding: a reload changes the order in which YADE adds their forces."""
     scene()
     steps(200)
     path = str(tmp_path / f"scene.{suffix}")

@@ -77,8 +77,7 @@ def test_a_mark_shows_rotations(pictures):
     """A dark line to the right end of the disc."""
     changed = difference(pictures["plain"], pictures["unmarked"], by=0.15)
     rows, columns = np.nonzero(seen(pictures["unmarked"], (0, 1, 0)))
-    inside = changed[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
-    _, marked = np.nonzero(inside)
+    _, marked = np.nonzero(changed[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1])
     assert len(marked) > 0.3 * np.ptp(columns) and marked.min() > 0.4 * np.ptp(columns)
 
 

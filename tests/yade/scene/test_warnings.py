@@ -121,7 +121,7 @@ def test_forces_after_the_solver_cause_a_warning(capfd):
         assert words in told
 
 
-# --- numbers of a step ----------------------------------------------------------------------------
+# --- numbers of a step
 
 @pytest.mark.parametrize("dt", [1, 30, 1000])
 def test_step_that_ends_in_an_overlap_has_not_converged(dt):
@@ -201,5 +201,4 @@ def test_a_step_without_a_finite_solution_moves_nothing_and_saves_its_problem(
     assert np.array_equal(snapshot()[:, :13], before[:, :13])
     path = tmp_path / "not-finite-0.npz"
     assert str(path) in told
-    problem = rcr.problems.load(path)
-    assert problem.contacts == solver().contactPoints
+    assert rcr.problems.load(path).contacts == solver().contactPoints

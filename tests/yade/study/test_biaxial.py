@@ -81,19 +81,15 @@ def packing(request, tmp_path_factory):
 
 
 def test_frictionless_packing_is_isostatic(packing):
-    """The number of forces is that of equations: 2 a disc, 3 a long particle, 1 a mobile wall.
-
-    Rattlers have none. Motions along flat sides, 1.5 % of the equations, need no force. Walls lower
-    the coordination number Z.
+    """The number of forces is that of equations: 2 a disc, 3 a long particle, 1 a mobile wall; none
+    for rattlers and for motions along flat sides, 1.5 %. Walls lower the coordination number Z.
     """
     equations_of_grain, fewest, bulk = (2, 0.99, 4) if packing.eta == 0 else (3, 0.97, 6)
     force = packing.points[:, 2]
     points = packing.points[force > 1e-3 * force.mean()]  # smaller ones are below the tolerance
-    ids = np.unique(points[:, :2])
-    equations = equations_of_grain * np.count_nonzero(ids < 400) + 2
+    equations = equations_of_grain * np.count_nonzero(np.unique(points[:, :2]) < 400) + 2
     assert fewest * equations <= len(points) <= 1.005 * equations  # forces near the threshold
-    z = packing.network.coordination(count_side_contacts_twice=True)
-    assert bulk - 0.5 < z < bulk + 0.1
+    assert bulk - 0.5 < packing.network.coordination(count_side_contacts_twice=True) < bulk + 0.1
 
 
 def test_frictionless_packing_is_balanced_and_isotropic(packing):
@@ -169,8 +165,7 @@ def test_creep_is_accepted_where_longer_steps_flip_grains():
     none = [False] * intervals
     assert accepted(0.02) == (none, pytest.approx(reduction**-intervals))  # no flips so far
     assert accepted(0.02, flip_displacement=1.0) == (none[1:] + [True], 1.0)
-    far_from_stress = accepted(0.04, flip_displacement=1.0)
-    assert far_from_stress == (none, pytest.approx(1 / reduction))
+    assert accepted(0.04, flip_displacement=1.0) == (none, pytest.approx(1 / reduction))
 
 
 def reports(eta, particles, of, seed=1):
@@ -181,9 +176,7 @@ def reports(eta, particles, of, seed=1):
 
 @pytest.mark.parametrize("eta", [0, 0.1, 0.7])
 def test_collapse_ends_where_the_grains_carry_the_load(eta):
-    """A longer collapse compresses a large packing to tens of σ₀. Its velocities must not give the
-    longer steps that follow 12 points a disc.
-    """
+    """A longer one compresses to tens of σ₀; its speeds must not add contact points of discs."""
     found = reports(eta, 1000, lambda test: (test.progress["phase"], test.mean_stresses.min(),
                                              test.solver.contactPoints))
     largest = max(stress for phase, stress, _ in found if phase == "collapse")

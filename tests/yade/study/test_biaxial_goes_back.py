@@ -46,8 +46,7 @@ def test_a_jam_repeats_a_part_with_a_smaller_time_step(tmp_path):
     assert done.stderr.count("the shear restarts from a strain of 0.0096") == 2
     assert "with 1/2 of the time step, since it stopped at 0.0" in done.stderr
     assert "with 1/3 of the time step" in done.stderr
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["repeated_parts"] == 1
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["repeated_parts"] == 1
     rows = np.genfromtxt(tmp_path / "out" / "history.csv", delimiter=",", names=True)
     strains = rows["strain"]
     assert (np.diff(strains) > 0).all() and strains[-1] == pytest.approx(0.04, abs=1e-3)
