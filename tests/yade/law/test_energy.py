@@ -31,7 +31,8 @@ def never_gives(dissipated, scale):
 
 def test_sliding():
     """A brick slides to rest: friction takes ½ m v²."""
-    s = O.bodies[grain_on_floor(0.2, friction=0.4)].state
+    brick = grain_on_floor(0.2, friction=0.4)
+    s = O.bodies[brick].state
     s.vel = (2, 0, 0)
     kinetic = 0.5 * s.mass * 4
     off, dissipated = run(800)
@@ -43,7 +44,8 @@ def test_sliding():
 @pytest.mark.parametrize("e", [0, 0.5, 0.9])
 def test_bouncing(e):
     """A disc falls by h and bounces: an impact takes (1 − e²) m g h."""
-    released = O.bodies[grain_on_floor(0, height=0.6, restitution=e, dt=1e-4)].state.mass * G * 0.5
+    disc = grain_on_floor(0, height=0.6, restitution=e, dt=1e-4)
+    released = O.bodies[disc].state.mass * G * 0.5
     off, dissipated = run(4000)
     assert off < 0.01 * released and never_gives(dissipated, released)
     assert dissipated[-1, 1] == pytest.approx((1 - e**2) * released, rel=0.01)

@@ -21,8 +21,9 @@ on_floor = functools.partial(grain_on_floor, friction=MU, make=springs)
 @pytest.mark.parametrize("zeta", [0, 0.1, 0.5])
 def test_rebound(zeta):
     """e = exp(−ζωt₁), ω√(1−ζ²) t₁ = π − arctan(2ζ√(1−ζ²)/(1−2ζ²)) (Schwager and Pöschel 2007)."""
-    disc = O.bodies[on_floor(0, height=0.1005, gravity=(0, 0, 0), damping=zeta, share=0.01)].state
-    disc.vel, touched = (0, -0.1, 0), []
+    disc = on_floor(0, height=0.1005, gravity=(0, 0, 0), damping=zeta, share=0.01)
+    disc, touched = O.bodies[disc].state, []
+    disc.vel = (0, -0.1, 0)
     while not touched or disc.pos[1] < 0.1:
         O.step()
         touched += [O.time] if disc.pos[1] < 0.1 else []
