@@ -30,9 +30,7 @@ def softened_error(problem, p, rho):
 
 @pytest.mark.parametrize("rho", [1e-2, 1.0, 1e3])
 @pytest.mark.parametrize("v, friction, slides", [
-    ((0.3, -1.0), 0.5, False),
-    ((3.0, -1.0), 0.5, True),
-    ((-3.0, -1.0), 0.5, True),
+    ((0.3, -1.0), 0.5, False), ((3.0, -1.0), 0.5, True), ((-3.0, -1.0), 0.5, True),
     ((3.0, -1.0), 0.0, True),
 ])
 def test_one_grain(rho, v, friction, slides):

@@ -64,11 +64,8 @@ def test_discs_touch_two_and_overlap_nothing():
     assert (supports == 2).all()
     fraction = np.pi * (radii**2).sum() / (width * (centres[:, 1] + radii).max())
     assert 0.78 < fraction < 0.86  # random close packing with a rough surface
-
-
-def test_one_disc_as_wide_as_the_box_stacks():
-    centres = _kernel.deposit(np.ones(3), 2.0)
-    np.testing.assert_allclose(centres, [(1, 1), (1, 3), (1, 5)], atol=1e-12)
+    stack = _kernel.deposit(np.ones(3), 2.0)  # each as wide as the box
+    np.testing.assert_allclose(stack, [(1, 1), (1, 3), (1, 5)], atol=1e-12)
 
 
 @pytest.mark.parametrize(

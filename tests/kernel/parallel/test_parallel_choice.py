@@ -34,11 +34,8 @@ def test_faster_mode_is_used(parallel, serial, cold):
     assert used[2 * TRIAL :] == (period * 5)[: 2000 - 2 * TRIAL]
 
 
-def test_much_slower_mode_is_tried_briefly():
+def test_much_slower_mode_is_tried_briefly_and_one_delayed_round_changes_nothing():
     assert sum(modes(_kernel.ParallelChoice(), 2000, 5.0, 1.0)) == TRIAL + 4 * 3
-
-
-def test_one_delayed_round_does_not_change_the_mode():
     choice = _kernel.ParallelChoice()
     modes(choice, 2 * TRIAL, 1.0, 1.8)
     choice.record(100.0)

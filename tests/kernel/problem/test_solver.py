@@ -7,12 +7,9 @@ from kernel.contact_problems import (assert_laws, assert_same_bits, assert_solve
 
 
 @pytest.mark.parametrize("change, message", [
-    ({"solver": "newton"}, "newton"),
-    ({"tolerance": -1.0}, "tolerance = -1"),
-    ({"tolerance": float("nan")}, "tolerance = nan"),
-    ({"max_iterations": 0}, "maxIterations = 0"),
-    ({"threads": 0}, "threads = 0"),
-    ({"lanes": 3}, "lanes = 3"),
+    ({"solver": "newton"}, "newton"), ({"tolerance": -1.0}, "tolerance = -1"),
+    ({"tolerance": float("nan")}, "tolerance = nan"), ({"threads": 0}, "threads = 0"),
+    ({"max_iterations": 0}, "maxIterations = 0"), ({"lanes": 3}, "lanes = 3"),
     ({"reductions": ["islands", "walls"]},
      "reduction 'walls' is not known; expected one of frictionless, discs, fixed, islands"),
 ])

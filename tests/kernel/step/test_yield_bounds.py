@@ -31,6 +31,8 @@ def test_closed_form():
     assert speed == V
     expected = [V * 2.0 / (momentum + 10 * load), 3 * momentum + 200 * load]
     np.testing.assert_allclose([compliance, most], expected, rtol=1e-14)
+    at_rest = scale([1.0], np.ones((1, 3)), np.ones((1, 3)), wall=(0.0, 0, 0))
+    assert at_rest == (0, 0.01, np.inf)  # no drive
 
 
 def test_turning_obstacles_drive_by_the_speed_of_their_points():
@@ -50,21 +52,13 @@ def test_partly_blocked_bodies_drive_without_momentum(sideways, fastest):
     np.testing.assert_allclose(most, 2.0 * (3 * (fastest + 0.1) + 200 * 0.1))
 
 
-def test_nothing_drives_where_walls_rest():
-    speed, compliance, most = scale([1.0], np.ones((1, 3)), np.ones((1, 3)), wall=(0.0, 0, 0))
-    assert (speed, compliance, most) == (0, 0.01, np.inf)
-
-
 def test_a_row_that_is_struck_at_its_end_stays_rigid():
-    """The impulse of the first contact is N m V: below the bound, however long the row."""
-    for count in (10, 100, 1000):
-        at_rest = np.zeros((count, 3))
-        _, _, most = scale([2.0] * count, at_rest, at_rest)
-        np.testing.assert_allclose(most, 3 * count * 2.0 * V)
+    """The impulse of the first contact is N m V: below the bound, however long the row.
 
-
-def test_a_drive_reaches_root_n_bodies_of_a_packing():
-    count = 25
-    rest = np.zeros((count, 3))
-    _, _, most = scale([1.0] * count, rest, rest, below=np.zeros(count))
+    A drive reaches √N bodies of a packing.
+    """
+    for count in 10, 100, 1000:
+        rest = np.zeros((count, 3))
+        np.testing.assert_allclose(scale([2.0] * count, rest, rest)[2], 3 * count * 2.0 * V)
+    most = scale([1.0] * 25, rest[:25], rest[:25], below=np.zeros(25))[2]
     np.testing.assert_allclose(most, 3 * 5 * V)

@@ -37,7 +37,4 @@ def test_workspace_follows_cells_that_stretch_or_not():
         settings = dict(tolerance=0, max_iterations=25)
         assert_same_bits(problem.solve(workspace=workspace, **settings), problem.solve(**settings),
                          f"stretches: {stretches}")
-
-
-def test_a_cell_gives_the_same_bits_with_lanes_and_threads():
-    assert_lanes_and_threads_change_no_bit(in_a_cell(5), "nesterov", tolerance=0, max_iterations=25)
+    assert_lanes_and_threads_change_no_bit(problem, "nesterov", **settings)

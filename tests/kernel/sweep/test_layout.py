@@ -50,8 +50,11 @@ def kinds(problem):
 
 
 def test_pairs_join_neighbouring_points(case):
-    """At most two consecutive points of the same bodies form a pair."""
+    """At most two consecutive points of the same bodies form a pair, always in the same place."""
     problem, layout = case
+    again = _kernel.layout(ALL, **problem)
+    for name in "pairs", "blocks1":
+        np.testing.assert_array_equal(np.array(again[name]), layout[name])
     pairs = []  # body 1, body 2, points
     for a, b in problem["bodies"].tolist():
         if pairs and pairs[-1] == [a, b, 1]:
@@ -113,17 +116,13 @@ def bodies_of(problem, layout, chunks):
     return bodies[~fixed[bodies]]
 
 
-def test_pairs_of_a_chunk_share_no_moving_body(case):
-    problem, layout = case
-    for chunk in layout["chunks"]:
-        moving = bodies_of(problem, layout, [chunk])
-        assert len(np.unique(moving)) == len(moving), f"chunk {chunk}"
-
-
-def test_sections_swept_at_once_share_no_moving_body(case):
+def test_chunks_and_sections_swept_at_once_share_no_moving_body(case):
     """Partitions, then interfaces; the records of a partition belong to its bodies alone."""
     problem, layout = case
     chunks, records = layout["chunks"], layout["records"]
+    for chunk in chunks:
+        bodies = bodies_of(problem, layout, [chunk])
+        assert len(np.unique(bodies)) == len(bodies), f"chunk {chunk}"
     moving = lambda section: bodies_of(problem, layout, chunks[chunks[:, 4] == section])
     for partitions_begin, partitions_end, *interfaces in layout["islands"][:, 3:]:
         for begin, end in (partitions_begin, partitions_end), interfaces:
@@ -187,7 +186,8 @@ def test_records(case):
 
 
 def test_models():
-    """The cheapest model that holds; models of few pairs are not used."""
+    """The cheapest model that holds; models of few pairs are not used, nor blocks in small islands.
+    """
 
     def models(problem, reductions=ALL):
         pairs = np.array(_kernel.layout(reductions, **problem)["pairs"])
@@ -211,14 +211,6 @@ def test_models():
         assert models(mixed) == expected, f"{share} of the pairs without friction"
 
 
-def test_small_islands_are_overflow():
     problems = grains_on_a_floor(1, points=2), hub(FEW_PAIRS), hub(FEW_PAIRS + 1)
     chunks = [_kernel.layout(ALL, **problem)["chunks"] for problem in problems]
     assert [len(found) > 0 for found in chunks] == [False, False, True]
-
-
-def test_the_layout_is_a_function_of_the_problem(case):
-    problem, layout = case
-    again = _kernel.layout(ALL, **problem)
-    np.testing.assert_array_equal(np.array(again["pairs"]), layout["pairs"])
-    np.testing.assert_array_equal(np.array(again["blocks1"]), layout["blocks1"])

@@ -21,14 +21,11 @@ def advance(momentum, errors):
     return [*seen, momentum.beta]
 
 
-def test_beta_while_the_error_falls():
+def test_beta_while_the_error_falls_and_its_restart():
+    """An error of three times the minimum of the run is allowed, more restarts."""
     seen = advance(_kernel.Momentum(), 0.5 ** np.arange(60))
     np.testing.assert_allclose(seen, betas(61), rtol=1e-15)
     assert seen[0] == 0 and 0.94 < seen[-1] < 1
-
-
-def test_growth_beyond_the_limit_restarts():
-    """An error of three times the minimum of the run is allowed, more restarts."""
     momentum = _kernel.Momentum()
     assert advance(momentum, [1, 0.5, 1.5])[-1] == pytest.approx(betas(4)[3])
     assert advance(momentum, [1.51])[-1] == 0

@@ -31,14 +31,11 @@ def problem(request):
     return KINDS[request.param]()
 
 
-def test_lanes_and_threads_change_no_bit(problem):
+def test_floats_alone_reach_their_rounding(problem):
+    """Impulses are rounded to 6e-8. A wrong reference or contact law would end above 1e-3."""
     choices = [(1, 1), (4, 1), (8, 1), (8, 2), (0, 4)]
     assert_lanes_and_threads_change_no_bit(problem, "nesterov", choices, max_iterations=130,
                                            **UNCHECKED)
-
-
-def test_floats_alone_reach_their_rounding(problem):
-    """Impulses are rounded to 6e-8. A wrong reference or contact law would end above 1e-3."""
     assert problem.solve("nesterov", max_iterations=12_000, **UNCHECKED)["residual"] < 1e-6
 
 

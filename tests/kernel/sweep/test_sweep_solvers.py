@@ -9,7 +9,9 @@ from kernel.contact_problems import (PROBLEMS, SWEEPS, assert_lanes_and_threads_
 @pytest.mark.parametrize("make", PROBLEMS)
 @pytest.mark.parametrize("solver", SWEEPS)
 def test_reaches_the_tolerance_and_reports_it(make, solver):
+    """Lanes and threads change no bit."""
     assert_solved(make().cold(), solver, 1e-4 if solver == "nesterov" else 1e-3)
+    assert_lanes_and_threads_change_no_bit(make(), solver, tolerance=0, max_iterations=35)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.6])
@@ -26,12 +28,6 @@ def test_points_that_drift(solver, share):
     np.testing.assert_allclose(result["relative_velocity"], expected, rtol=0, atol=1e-12)
     assert_lanes_and_threads_change_no_bit(problem, solver, [(0, 1), (4, 2)],
                                            tolerance=tolerance, max_iterations=20_000)
-
-
-@pytest.mark.parametrize("make", PROBLEMS)
-@pytest.mark.parametrize("solver", SWEEPS)
-def test_lanes_and_threads_change_no_bit(make, solver):
-    assert_lanes_and_threads_change_no_bit(make(), solver, tolerance=0, max_iterations=35)
 
 
 def test_momentum_needs_fewer_sweeps():
