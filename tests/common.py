@@ -29,6 +29,13 @@ def python(code, /, *arguments, **settings):
     return ended(sys.executable, "-c", code, *arguments, **settings)
 
 
+def complaint(done, beside="\0"):
+    """The one line on stderr of a process that failed, beside those that contain `beside`."""
+    lines = [line for line in done.stderr.splitlines() if beside not in line]
+    assert done.returncode > 0 and len(lines) == 1 and done.stdout == "", done.stderr + done.stdout
+    return lines[0]
+
+
 def wait_until(condition, limit=60):
     """Returns once the condition holds; fails after `limit` seconds, which only a hang takes."""
     end = time.monotonic() + limit

@@ -5,10 +5,7 @@ import math
 import numpy as np
 from yade import utils
 from yade.minieigenHP import Vector3
-from yade.wrapper import (Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat,
-                          Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom, InsertionSortCollider,
-                          InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
-                          Law2_ScGeom_FrictPhys_CundallStrack, MatchMaker, NewtonIntegrator, Omega)
+from yade import wrapper as w
 
 import rcr
 from rcr.network import BOTTOM, LEFT, RIGHT, TOP, Network
@@ -16,7 +13,7 @@ from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
 from rcr.study.records import Springs
 
-O = Omega()
+O = w.Omega()
 STRESS = PROTOCOL.confining_stress  # [Pa]
 DAMPING = 0.2  # local damping of the NewtonIntegrator [-]
 
@@ -43,7 +40,7 @@ class Stock(Biaxial):
         mass = walls[2].state.mass
         O.reset()
         angle = math.atan(self.parameters["friction"])
-        rough = O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=angle))
+        rough = O.materials.append(w.FrictMat(density=PROTOCOL.density, frictionAngle=angle))
         self.ids = [_clump(*grain, rough) for grain in grains]
         self._add_walls(edges, mass)
         kn, ks = stiffness * STRESS, PROTOCOL.shear_stiffness * stiffness * STRESS
@@ -53,7 +50,7 @@ class Stock(Biaxial):
         O.dt = PROTOCOL.smooth_time_step * 2 / math.sqrt(12 * fastest)  # as rcr.critical_time_step
 
     def _add_walls(self, edges, mass):
-        plate = O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0))
+        plate = O.materials.append(w.FrictMat(density=PROTOCOL.density, frictionAngle=0))
         self.left, self.bottom, self.right, self.top = self.walls = O.bodies.append([
             rcr.wall("x", edges[0], +1, material=plate),
             rcr.wall("y", edges[1], +1, material=plate),
@@ -62,17 +59,16 @@ class Stock(Biaxial):
         ])
 
     def _set_engines(self, kn, ks):
-        value = lambda k: MatchMaker(algo="val", val=k)
+        value = lambda k: w.MatchMaker(algo="val", val=k)
         O.engines = [
-            ForceResetter(),
-            InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()],
-                                  verletDist=0.1 * PROTOCOL.smallest_radius),
-            InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
-                            [Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(ks))],
-                            [Law2_ScGeom_FrictPhys_CundallStrack()]),
+            w.ForceResetter(),
+            w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb()],
+                                    verletDist=0.1 * PROTOCOL.smallest_radius),
+            w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()],
+                              [w.Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(ks))],
+                              [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
             rcr.WallStress(wall=self.right, start=self.bottom, end=self.top, stress=-STRESS),
-            NewtonIntegrator(damping=DAMPING),
-        ]
+            w.NewtonIntegrator(damping=DAMPING)]
 
     def network(self):
         """Contact network; all sphere contacts of two grains are one contact."""

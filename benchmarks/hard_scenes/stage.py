@@ -11,9 +11,7 @@ import numpy as np
 import yade.utils
 from yade import O
 from yade.minieigenHP import Quaternion, Vector3
-from yade.wrapper import (Bo1_Box_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat,
-                          InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
-                          MatchMaker, NewtonIntegrator)
+from yade import wrapper as w
 
 import rcr
 
@@ -38,7 +36,7 @@ class ContactDynamics:
     def parts(self, restitution):
         ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
         if restitution:
-            ip2.restitution = MatchMaker(algo="val", val=restitution)
+            ip2.restitution = w.MatchMaker(algo="val", val=restitution)
         return (ip2, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb(),
                 rcr.ContactDynamics(**self.options))
 
@@ -52,9 +50,9 @@ class Smooth:
     kn: float = 0.0
 
     def parts(self, restitution):
-        ip2 = Ip2_FrictMat_FrictMat_FrictPhys()
+        ip2 = w.Ip2_FrictMat_FrictMat_FrictPhys()
         if self.kn:
-            ip2.kn, ip2.ks = (MatchMaker(algo="val", val=k) for k in (self.kn, 0.8 * self.kn))
+            ip2.kn, ip2.ks = (w.MatchMaker(algo="val", val=k) for k in (self.kn, 0.8 * self.kn))
         return ip2, rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=self.damping)
 
 
@@ -66,11 +64,11 @@ def build(law, dt, *bodies, gravity=(0, -G, 0), restitution=0):
     _pushes.clear()
     O.dt = dt
     ip2, law2, *solver = law.parts(restitution)
-    boxes = [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()]
+    boxes = [rcr.Bo1_Rcr_Aabb(), w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb()]
     points = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom()]
-    O.engines = [ForceResetter(), InsertionSortCollider(boxes, verletDist=0.1 * R),
-                 InteractionLoop(points, [ip2], [law2]), *solver,
-                 NewtonIntegrator(gravity=gravity, damping=0)]
+    O.engines = [w.ForceResetter(), w.InsertionSortCollider(boxes, verletDist=0.1 * R),
+                 w.InteractionLoop(points, [ip2], [law2]), *solver,
+                 w.NewtonIntegrator(gravity=gravity, damping=0)]
     return [O.bodies.append(body) for body in bodies]
 
 
@@ -109,7 +107,7 @@ def hard_scene(title, predicate="largest displacement in 10 s, in diameters", bo
 
 def material(friction=0.5, density=DENSITY):
     """FrictMat with the friction coefficient µ [-] and the density [kg/m³]."""
-    return FrictMat(density=density, frictionAngle=math.atan(friction), young=1e9, poisson=0.3)
+    return w.FrictMat(density=density, frictionAngle=math.atan(friction), young=1e9, poisson=0.3)
 
 
 def stadium(a, r, center, angle=0.0, **options):
@@ -198,7 +196,7 @@ def kinetic(bodies=None):
 
 def potential():
     """Energy in gravity and in constant forces [J/m]."""
-    gravity = np.array(next(e for e in O.engines if isinstance(e, NewtonIntegrator)).gravity)
+    gravity = np.array(next(e for e in O.engines if isinstance(e, w.NewtonIntegrator)).gravity)
     return -sum(
         (b.state.mass * gravity + _pushes.get(b.id, 0)) @ np.array(b.state.pos) for b in _free())
 

@@ -22,7 +22,7 @@ from rcr._pictures.outlines import polygons
 from rcr.study.claims.paper import MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run
 
-from common import ended, refused
+from common import complaint, ended, refused
 from synthetic import packing, polygon_areas, write_run
 
 SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
@@ -57,9 +57,8 @@ def out(written, tmp_path):
 
 
 def assert_refused(says, *arguments):
-    run = network_script(*arguments, code=1)
-    assert run.stdout == "" and says in run.stderr, run.stderr
-    assert run.stderr.startswith("network.py: ") and run.stderr.count("\n") == 1, run.stderr
+    line = complaint(network_script(*arguments, code=1))
+    assert line.startswith("network.py: ") and says in line
 
 
 def test_script_writes_everything(written):
@@ -77,13 +76,10 @@ def test_script_writes_everything(written):
     assert set(STATEMENTS) <= {name.split("-")[0] for name in names}
 
 
-def test_table_has_six_columns_in_every_row(written):
-    """Bars within a cell are escaped."""
+def test_table_and_report_are_complete(written):
+    """Rows have six columns, with escaped bars in cells; the report needs no other file."""
     rows = (written[0] / "table.md").read_text().splitlines()
     assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {7} and len(rows) > 40
-
-
-def test_report_is_self_contained(written):
     page = (written[0] / "report.html").read_text()
     sources = re.findall(r"""(?:src|href)=['"]([^'"]{1,30})""", page)
     assert all(source.startswith(("data:image/", "#O")) for source in sources)
@@ -177,18 +173,17 @@ def test_script_refuses_bad_input(case, folders, tmp_path):
 
 
 def test_plots_draw_into_the_axes_given_and_read_the_file(result):
-    """analysis.json has null where the arrays have NaN."""
+    """analysis.json has null where the arrays have NaN. An elongation has one colour."""
     ax = figures.plot_strength(result["O1"]["value"])
     assert isinstance(ax, Axes) and figures.plot_mobilization(result["O5"]["value"], ax) is ax
     again = json.loads(json.dumps(analysis.jsonable(result)))
     for observable in figures.FIGURES:
         assert figures.draw(observable, again).findobj(Axes), observable
-
-
-def test_an_elongation_has_one_colour(result):
     ax = figures.plot_xi(result["O15"]["value"], "a_c", "a_c")
     drawn = [to_hex(line.get_color()) for line in ax.lines if line.get_label().startswith(r"$\eta")]
     assert drawn == [to_hex(figures.color(eta)) for eta in (0, 0.5)]
+    assert nearest([0, 0.5, 0.7], (0.2, 0.7)) == [0, 0.7]
+    assert nearest([0.5], (0, 0.4, 0.7)) == [0.5]
 
 
 def test_maps_are_a_few_collections():
@@ -231,8 +226,3 @@ def test_segments_join_the_right_grains():
     segments = Frame.of(network).segments()
     assert np.array_equal(Frame.of(turned).segments(), segments)
     assert np.array_equal(segments[:, 0], network.particles["position"][network.contacts["body1"]])
-
-
-def test_nearest_elongations():
-    assert nearest([0, 0.5, 0.7], (0.2, 0.7)) == [0, 0.7]
-    assert nearest([0.5], (0, 0.4, 0.7)) == [0.5]

@@ -63,10 +63,3 @@ def yade_script(script, *arguments, before="", **settings):
 
 def program(folder, *command, name="yade", code=0):
     return ended(name, *command, cwd=folder, code=code)
-
-
-def complaint(done):
-    """The one line on stderr of a script that failed."""
-    assert done.returncode not in (0, 99) and done.returncode > 0, done.stderr
-    assert done.stderr.count("\n") == 1 and done.stdout == "", done.stderr + done.stdout
-    return done.stderr.strip()

@@ -11,12 +11,8 @@ import rcr
 from benchmarks.hard_scenes.stage import G, box, material, open_box, solver, stadium, tilted
 from common import refused, wait_until  # noqa: F401: for the tests
 from yade import O
+from yade import wrapper as w
 from yade.minieigenHP import Matrix3
-from yade.wrapper import (
-    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter,
-    InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker,
-    NewtonIntegrator,
-)  # fmt: skip
 
 LAWS = pytest.mark.parametrize("law", ["rigid", "smooth"])
 ALL_IG2 = [name for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2_Planar_RcrGeom"]
@@ -31,18 +27,15 @@ def engines(gravity=(0, -G, 0), before=(), restitution=None, law="rigid", **opti
         ip2, law2 = rcr.Ip2_FrictMat_FrictMat_CdPhys(), rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()
         before = [*before, rcr.ContactDynamics(**(options or EXACT))]
     else:
-        ip2 = Ip2_FrictMat_FrictMat_FrictPhys()
+        ip2 = w.Ip2_FrictMat_FrictMat_FrictPhys()
         law2 = rcr.Law2_RcrGeom_FrictPhys_CundallStrack(**options)
     if restitution is not None:
-        ip2.restitution = MatchMaker(algo="val", val=restitution)
-    return [
-        ForceResetter(),
-        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(),
-                               Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
-        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2], [ip2], [law2]),
-        *before,
-        NewtonIntegrator(gravity=gravity, damping=0),
-    ]
+        ip2.restitution = w.MatchMaker(algo="val", val=restitution)
+    boxes = w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Sphere_Aabb(), w.Bo1_Facet_Aabb()
+    return [w.ForceResetter(),
+            w.InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), *boxes], verletDist=0.01),
+            w.InteractionLoop([getattr(rcr, name)() for name in ALL_IG2], [ip2], [law2]),
+            *before, w.NewtonIntegrator(gravity=gravity, damping=0)]
 
 
 def build(*bodies, dt=1e-3, cell=None, **options):
@@ -94,7 +87,7 @@ def set_state(body=1, **values):
 
 def prescribe(name, value):
     """Give all new contacts this stiffness, restitution or friction angle."""
-    setattr(O.engines[2].physDispatcher.functors[0], name, MatchMaker(algo="val", val=value))
+    setattr(O.engines[2].physDispatcher.functors[0], name, w.MatchMaker(algo="val", val=value))
 
 
 FLOORS = {

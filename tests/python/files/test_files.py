@@ -93,14 +93,11 @@ def test_two_writers_at_once_and_kills(tmp_path):
     assert path.read_bytes() == b"c" and len(list(tmp_path.iterdir())) == 1
 
 
-def test_hdf5_never_meets_the_disk(tmp_path):
+def test_hdf5_and_tables_in_memory(tmp_path):
     image = files.hdf5(lambda file: file.create_dataset("x", data=np.arange(10)))
     (tmp_path / "x.h5").write_bytes(image)
     with h5py.File(tmp_path / "x.h5") as file:
         assert file["x"][()].tolist() == list(range(10))
-
-
-def test_table():
     assert files.table(["a", "b"], [dict(a=1, c=2), dict(b="x,y")]) == 'a,b\n1,\n,"x,y"\n'
 
 

@@ -72,10 +72,7 @@ def test_a_common_motion_has_no_drag_in_a_tracked_flow():
     solver().trackMeanStretch = False
     O.step()
     assert tuple(solver().model["mean_stretch_rate"]) == (0, 0)
-
-
-def test_a_vanished_drag_is_removed_from_the_impulses():
-    """Five sweeps alone reach five contacts."""
+    # a vanished drag is removed from the impulses: five sweeps alone reach five contacts
     assert abs(pressed_row(True, 2, count=100, last=5, rate=-1e-3)) < 0.05
 
 

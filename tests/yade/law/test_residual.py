@@ -76,19 +76,14 @@ def heaps(count, friction):
           tolerance=1e-6, maxIterations=5000, solver="nesterov")
 
 
-def test_model_of_discs_without_friction():
+def test_model_follows_the_scene():
+    """With friction a point has two unknowns, bodies rotate; a freed floor joins the heaps."""
     heaps(3, 0)
     steps(3)
     model = engine().model
     assert model["islands"] == 3 and model["fixed"] == 1
     assert model["bodies"] == 60 and model["rotations"] == 0
     assert model["frictionless"] and model["unknowns"] == model["points"] == engine().contactPoints
-
-
-def test_model_follows_the_scene():
-    """With friction a point has two unknowns, bodies rotate; a freed floor joins the heaps."""
-    heaps(3, 0)
-    steps(3)
     utils.setContactFriction(0.5)
     O.step()
     model = engine().model

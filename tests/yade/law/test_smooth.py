@@ -290,18 +290,16 @@ def test_checkpoint_of_springs(tmp_path):
     assert len(again.rows) == 2
 
 
-def test_the_critical_time_step_of_a_clump_follows_its_mass():
-    """A clump with a hundredth of the mass vibrates ten times as fast."""
+def test_the_critical_time_step_counts_light_clumps_and_lids():
+    """A clump with a hundredth of the mass vibrates ten times as fast. A lid of the mass of a
+    hundredth of a grain presses six grains.
+    """
     found = []
     for mass in (1.0, 0.01):
         build(law="smooth")
         rcr.clump([rcr.disc((x, 0), 0.1, material=material()) for x in (-0.1, 0.1)], mass=mass)
         found.append(rcr.critical_time_step())
     assert found[0] == pytest.approx(10 * found[1], rel=1e-9)
-
-
-def test_the_critical_time_step_counts_a_light_lid():
-    """A lid of the mass of a hundredth of a grain presses six grains."""
     rough = springy(0.3)
     grains = [rcr.disc((0.1 + 0.2 * k, 0.1), 0.1, rough) for k in range(6)]
     mass = 0.01 * grains[0].state.mass

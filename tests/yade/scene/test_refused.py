@@ -75,9 +75,10 @@ def test_calls_that_are_refused(call, match):
     assert len(O.bodies) == 1
 
 
-def test_a_critical_time_step_needs_a_free_grain():
+def test_time_steps_of_no_grain_and_negative_ones():
     build(law="smooth")
     refused("no Rcr and no Sphere is free", rcr.critical_time_step)
+    refused("No TimeStepper", setattr, O, "dt", -1e-3, error=RuntimeError)
 
 
 @pytest.mark.parametrize("name, number", [("x", 0), ("y", 1)])
@@ -289,10 +290,6 @@ def test_obstacle_that_becomes_faulty_in_a_run(obstacle, state, match):
     assert_refused(f"#2 has .*{match}")
 
 
-def test_negative_time_step_is_refused_by_yade():
-    refused("No TimeStepper", setattr, O, "dt", -1e-3, error=RuntimeError)
-
-
 @LAWS
 @pytest.mark.parametrize("engine", [
     lambda: w.TranslationEngine(ids=[0], translationAxis=(1, 0, 0), velocity=2e-3 / O.dt),
@@ -427,15 +424,14 @@ def test_a_run_stops_at_the_error(dt, wait):
     assert 0.25 < O.iter * dt < 0.35
 
 
-def test_background_run_is_refused_before_it_begins():
+def test_a_run_that_fails_raises_every_time():
+    """A run in the background before it begins. YADE's run thread loses its exception if it ends
+    before the session waits.
+    """
     resting()
     set_state(mass=0)
     refused("#1 is free but has the mass 0", O.run, 1000)
     assert not O.running and O.iter == 0
-
-
-def test_a_waited_run_that_fails_raises_every_time():
-    """YADE's run thread loses its exception if it ends before the session waits."""
     for _ in range(30):
         build(grain((0, 1)), before=[w.ForceEngine(force=(NAN, 0, 0), ids=[0])])
         refused("body #0 has the force", O.run, 5, True, error=RuntimeError)

@@ -59,14 +59,11 @@ def test_overlaps_of_images_warn():
     assert "bodies #0 and #1 overlap by 0.05 m, 0.25 of R₁ + R₂, before their first step. " in told
 
 
-@LAWS
-def test_time_step_forgotten(law):
-    resting(law)
-    O.dt = 1e-8
-    assert any("O.dt = 1e-8 s is YADE's default; set it" in told for told in advised())
-
-
-def test_ball_among_rcrs():
+def test_time_step_forgotten_and_ball_among_rcrs():
+    for law in "rigid", "smooth":
+        resting(law)
+        O.dt = 1e-8
+        assert any("O.dt = 1e-8 s is YADE's default; set it" in told for told in advised())
     resting()
     O.bodies.append(utils.sphere((0, 1, 0), 0.1, material=O.bodies[1].material))
     O.bodies[2].state.blockedDOFs = "zXY"

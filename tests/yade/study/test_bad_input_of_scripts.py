@@ -4,6 +4,7 @@ import os
 
 import forked
 import pytest
+from common import complaint
 
 REFUSED = [
     *(("biaxial.py", *row) for row in (
@@ -41,6 +42,5 @@ REFUSED = [
 
 @pytest.mark.parametrize("script, arguments, message", REFUSED)
 def test_one_line_says_what_is_wrong(script, arguments, message, tmp_path):
-    ended = forked.run(script, "--out", tmp_path / "out", *arguments.split())
-    assert message in forked.complaint(ended)
+    assert message in complaint(forked.run(script, "--out", tmp_path / "out", *arguments.split()))
     assert not (tmp_path / "out" / "summary.json").exists()

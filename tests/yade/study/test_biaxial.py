@@ -23,6 +23,7 @@ from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, HISTORY_COLUMNS
 from rcr.study.protocol import PROTOCOL
 from rcr.study.runs import Run
+from common import complaint
 from run_contents import COST, contents, different, start_until_written
 from scenes import refused, set_state, without
 from yade import O
@@ -185,6 +186,7 @@ def test_collapse_ends_where_the_grains_carry_the_load(eta):
 
 
 def test_walls_stay_smooth_in_shear(packing):
+    """A packing that has blown up ends the test."""
     test = packing.sheared(2)
     at_walls, between = ([i.phys for i in O.interactions
                           if (max(i.id1, i.id2) in test.walls) == wall] for wall in (True, False))
@@ -194,6 +196,8 @@ def test_walls_stay_smooth_in_shear(packing):
     assert max(phys.normalForce.norm() for phys in at_walls) > 0
     assert max(phys.shearForce.norm() for phys in at_walls) == 0
     assert max(phys.shearForce.norm() for phys in between) > 0
+    O.bodies[test.right].state.pos *= 10  # along x alone: its y is 0
+    refused("has blown up by step .* packing fraction 0.0", test.shear_record, error=RuntimeError)
 
 
 def test_compaction_continues_from_a_checkpoint_to_the_same_bits(tmp_path):
@@ -345,12 +349,6 @@ def test_a_jam_is_marked_in_the_history(tmp_path):
     assert sum(yielded) > 0 and [row["yielded_steps"] for row in test.rows] == yielded
 
 
-def test_a_packing_that_has_blown_up_ends_the_test(packing):
-    test = Biaxial.load(packing.folder)
-    O.bodies[test.right].state.pos *= 10  # along x alone: its y is 0
-    refused("has blown up by step .* packing fraction 0.0", test.shear_record, error=RuntimeError)
-
-
 OUT_OF_RANGE = dict(
     eta=[math.nan, 1, "0.5", True, 1j], particles=[9, 10.5, 2**70], seed=[-1, 2**64],
     friction=[math.inf, 1e10], tolerance=[-1e-9, 1], solver=["magic", None, ["auto"]],
@@ -420,8 +418,7 @@ def files(folder):
 ])  # fmt: skip
 def test_script_refuses_the_folder_of_another_run(done, arguments, message):
     before = files(done)
-    ended = forked.run(SCRIPT, *SMALL, *arguments.split(), "--out", done)
-    assert message in forked.complaint(ended)
+    assert message in complaint(forked.run(SCRIPT, *SMALL, *arguments.split(), "--out", done))
     assert files(done) == before
 
 
@@ -453,9 +450,6 @@ def test_networks_of_an_abandoned_part_are_removed(done, option, seed):
     script(*SMALL, "--seed", seed, option, "--out", done)
     assert not (done / "network-0.9999.h5").exists() and (done / "notes").exists()
     assert {Network.load(path).attributes["seed"] for path in done.glob("*.h5")} == {seed}
-
-
-def test_resume_needs_the_record_of_the_run(done):
     (done / "run.json").unlink()
     run = script(*SMALL, "--resume", "--out", done, code=1)
     assert "has no run.json of this script" in run.stderr

@@ -149,22 +149,20 @@ def test_script_runs_a_point_again(tmp_path):
     assert row["settings"] == "quick = True"
 
 
-def test_the_command_of_a_point_has_its_options(monkeypatch):
-    """Paths may have spaces; the default of --peers is left out."""
+def test_points_that_ran_out_of_time_are_repeated_with_more(monkeypatch):
+    """Other failures are findings; --retry repeats both. The command of a point has its options:
+    paths may have spaces; the default of --peers is left out.
+    """
+    statuses = "ok", "given up after 40 s", "given up after 60 s", "RuntimeError: flew apart"
+    settled = lambda retry: [charts.settled(status, 60, retry=retry) for status in statuses]
+    assert settled(retry=False) == [True, False, True, True]
+    assert settled(retry=True) == [True, False, False, False]
     words = "chart.py", "--out", "my charts", "--quick", "--charts", "a", "--peers", "my peers"
     for given, expected in (words, words), (words[:-2], words[:-2]):
         monkeypatch.setattr("sys.argv", [*given])
         found = shlex.split(chart.command("a", "250/0/chipmunk", chart.arguments()[0]))
         assert found[:2] == ["python3", "scripts/chart.py"]
         assert sorted(found[2:]) == sorted([*expected[1:], "--only", "250/0/chipmunk"])
-
-
-def test_points_that_ran_out_of_time_are_repeated_with_more():
-    """Other failures are findings; --retry repeats both."""
-    statuses = "ok", "given up after 40 s", "given up after 60 s", "RuntimeError: flew apart"
-    settled = lambda retry: [charts.settled(status, 60, retry=retry) for status in statuses]
-    assert settled(retry=False) == [True, False, True, True]
-    assert settled(retry=True) == [True, False, False, False]
 
 
 def test_slope_of_rates_is_found_in_pairs():
