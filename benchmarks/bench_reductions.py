@@ -71,9 +71,7 @@ def largest_residual(parts, impulse):
 
 
 def island_rows(about, parts, repeats):
-    """Cost until each island has reached the tolerance; one residual over all is lowered until
-    then.
-    """
+    """Cost until each island has the tolerance; one residual over all is lowered until then."""
     given = beside(parts)
     as_one = dict(reductions=without("islands"), tolerance=TOLERANCE)
     both = lambda: ways(given, as_one, dict(tolerance=TOLERANCE), solver="nesterov",

@@ -42,9 +42,7 @@ def matrix(problem):
 
 
 def rounds(repeats, budget, functions):
-    """Yield the results of all functions, at most `repeats` times; no round begins after `budget`
-    s.
-    """
+    """Yield the results of all functions, at most `repeats` times; none begins after `budget` s."""
     start = time.perf_counter()
     for _ in range(repeats):
         yield [function() for function in functions]
@@ -59,9 +57,7 @@ def best(repeats, budget, *functions):
 
 
 def sweep_times(runs, repeats):
-    """Wall-clock and processor time per contact point and sweep, (runs, 2) [ns], of many less few.
-    A run is (number of points, `solve` of settings).
-    """
+    """Wall-clock and processor time a point and sweep, (runs, 2) [ns]; a run is (points, solve)."""
 
     def run(solve, count):
         found = solve(tolerance=0, max_iterations=count, check_interval=10**9)

@@ -529,9 +529,7 @@ def test_another_environment_wipes_the_build(machine):
 
 
 def test_a_second_build_waits_for_one_that_has_work(machine):
-    """The first one configures, then it compiles. Builds with nothing to do are silent: each looks
-    for new files in turn, which may take longer than the second one's patience.
-    """
+    """It configures, then compiles. Those without work are silent, also beyond the patience."""
     two_builds = lambda work, until: two_at_once(machine, "ready; build", "cmake", work, until,
                                                  YADE_RCR_WAY="native")
     for work in ("", 'echo "[1/2] CXX a.cpp"'):

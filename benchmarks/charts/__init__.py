@@ -55,16 +55,14 @@ def folder(kind, name, options):
 
 
 def settled(status, limit, retry=False):
-    """True for a point with numbers, or without `retry` one that failed or had at least this limit.
-    """
+    """True for a point with numbers; without `retry` also one that failed or had this limit."""
     if status.startswith(GIVEN_UP) and float(status.removeprefix(GIVEN_UP).split()[0]) < limit:
         return False
     return status == "ok" or not retry
 
 
 class Table:
-    """CSV of a chart, written after each point; rows of other `settings` stay, None uses all rows.
-    """
+    """CSV of a chart, written after each point; rows of other `settings` stay, None is all."""
 
     def __init__(self, path, columns, settings=None):
         self.path, self.settings = path, settings

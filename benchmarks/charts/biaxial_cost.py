@@ -168,8 +168,7 @@ def run(name, options):
 
 
 def _difference(runs, target, name):
-    """Processor time [s], mean difference from the target, if any, and its standard error or NaN.
-    """
+    """Processor time [s], mean difference from the target, if any, its standard error or NaN."""
     exact = lambda seed: 0 if name in ERRORS else target[seed][name]
     differences = [row[name] - exact(seed) for seed, row in runs.items() if seed in target]
     if not differences:

@@ -27,8 +27,7 @@ class StockSprings(Springs):
 
 
 class Stock(Biaxial):
-    """Biaxial test of clumps of spheres under the stock law; `stiffness` is k_n/σ₀ of two spheres.
-    """
+    """Biaxial test of clumps of spheres under the stock law; `stiffness` is k_n/σ₀ of spheres."""
 
     def __init__(self, test, stiffness):
         self.parameters, self.progress, self.rows = test.parameters, test.progress, []
@@ -107,8 +106,7 @@ def _grain(body):
 
 
 def _pairs(walls):
-    """{ids: [normal, shear force on the second, sum of contact points, number]}; walls are second.
-    """
+    """{ids: [normal, shear force on the second, sum of points, number]}; walls are second."""
     found = {}
     for i in O.interactions:
         if not (i.isReal and i.phys.normalForce.norm() > 0):

@@ -121,9 +121,7 @@ def resultants(problem, **settings):
             "largest difference of a pair's resultant between solvers, relative", 1e-6,
             "residual 1e-10 times the condition of the stack, n² = 25, with a margin", True)
 def s09_side_contacts(make):
-    """S9. Flat RCRs under oblique gravity: a pair's resultant and moment are unique, its forces
-    not.
-    """
+    """S9. Flat RCRs under oblique gravity: resultant and moment of a pair are unique."""
     rough = material()
     bricks = [flat((0.1 * R * k, flat_row(k)), rough) for k in range(5)]
     on_floor(make, rough, *bricks, gravity=tilted(0.2))
@@ -170,9 +168,7 @@ def s10_shuffled(make):
 @hard_scene("near miss of a corner and of a disc", "|change of velocity| / speed",
             reason="the exact value is 0; 1e-3, as in all scenes")
 def s16_near_miss(make):
-    """S16. The contact plane is the tangent at the closest point; a curved path can look like a
-    hit.
-    """
+    """S16. The contact plane is a tangent; a curved path around it can look like a hit."""
     rough, speed, clearance = material(), 100 * R, 1e-3 * D
     obstacle = stadium(0, R, (4 * R, -R), material=rough, fixed=True)
     disc = stadium(0, R, (-5.03 * R, R + clearance), material=rough)

@@ -122,8 +122,7 @@ def s12_slip_reversal(make):
 @hard_scene("Newton's cradle", "largest |kinetic energy / first − 1| in 0.5 s",
             reason="tolerance 1e-4 in each velocity, squared, over some impacts")
 def s13_cradle(make):
-    """S13. One of five discs in touch is hit, e = 1. Newton's rule has no waves: all discs move on.
-    """
+    """S13. One of five discs in touch is hit, e = 1; Newton's rule has no waves: all move on."""
     smooth = material(0)
     discs = [stadium(0, R, (D * k - (R if k == 0 else 0), 0), material=smooth) for k in range(6)]
     state(make(*discs, gravity=(0, 0, 0), restitution=1)[0]).vel = (10 * R, 0, 0)

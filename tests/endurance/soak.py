@@ -214,9 +214,7 @@ class Watch:
             self.no_gain()
 
     def warned(self):
-        """True if a message explains grains outside or deep overlaps: a missed tolerance, or too
-        soft springs.
-        """
+        """True if a missed tolerance or too soft springs explain stray grains and deep overlaps."""
         laws = [functor for e in O.engines if isinstance(e, InteractionLoop)
                 for functor in e.lawDispatcher.functors]
         self.too_soft = self.too_soft or any(getattr(law, "deepOverlapCount", 0) for law in laws)

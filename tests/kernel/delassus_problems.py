@@ -38,8 +38,7 @@ class Problem:
 
 
 def heap(seed, bodies, contacts, load=0.5):
-    """Bodies with random contacts, also with the ground; `load` is the mean approach speed [m/s].
-    """
+    """Bodies with random contacts, also with the ground; `load` is the mean approach speed."""
     rng = np.random.default_rng(seed)
     pairs = [(k, rng.integers(k) if k else bodies) if k < bodies else
              rng.choice(bodies + 1, 2, replace=False) for k in range(contacts)]

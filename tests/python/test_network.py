@@ -101,8 +101,7 @@ def test_contacts_of_a_clump_are_counted_together():
 
 
 def test_force_pdf_is_a_density():
-    """∫ pdf df = 1 and ∫ f pdf df = 1; 50 classes over a range of 1e4 have an error of 10 % each.
-    """
+    """∫ pdf df = 1 and ∫ f pdf df = 1; 50 classes over 1e4 have an error of 10 % each."""
     f, pdf = random_network(20_000).force_pdf()
     width = np.gradient(f)
     assert np.sum(pdf * width) == pytest.approx(1, rel=0.02)

@@ -65,8 +65,7 @@ def test_sums_over_the_grid_are_those_of_the_scene(seed, cells):
 @given(seed=st.integers(0, 1000), cells=grids,
        turns=st.tuples(st.integers(-3, 3), st.integers(-3, 3)))
 def test_images_in_a_periodic_cell_are_one(seed, cells, turns):
-    """A scene moved by whole periods at their velocity has the same fields, up to samples at edges.
-    """
+    """A scene moved by whole periods at their velocity has the same fields, but at edges."""
     cell = np.array([[10.0, 2.5], [0, 6.0]])
     network = scene(seed, cell=cell)
     profile = rcr.Profile(cells).compute(network)

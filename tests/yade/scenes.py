@@ -60,8 +60,7 @@ def springs(*bodies, share=0.02, local_damping=0.0, **options):
 
 
 def grain_on_floor(a, friction=0.5, height=0.1, angle=0, make=build, **options):
-    """A grain (half length a, cap radius 0.1 m) at `height` [m] on a floor, by default; its id, 1.
-    """
+    """A grain (half length a, cap radius 0.1 m) at `height` [m], by default on a floor; its id."""
     rough = material(friction)
     return make(rcr.wall("y", 0, material=rough),
                 stadium(a, 0.1, (0, height), angle, material=rough), **options)[1]

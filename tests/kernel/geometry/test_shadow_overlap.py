@@ -149,8 +149,7 @@ def test_gap_is_the_signed_distance_of_the_cores(pairs):
 
 
 def test_points_lie_midway_between_the_surfaces(pairs):
-    """position ± (gap/2) n lie R'₁ and R'₂ from the cores, unless these cross; n is a unit vector.
-    """
+    """position ± (gap/2) n lie R'₁ and R'₂ from the cores, unless these cross."""
     stadium1, pose1, stadium2, pose2 = pairs
     found = _kernel.overlap_stadiums(*pairs, ALERT)
     crossed = core_distance(*pairs) < 1e-9

@@ -13,8 +13,7 @@ TRIAL, INTERVAL = 8, 400  # rounds of a trial; rounds between trials
 
 
 def modes(choice, rounds, parallel, serial, cold=1):
-    """Modes used, True if parallel, for these round times; the first two take `cold` times as long.
-    """
+    """Modes used, True if parallel, for these times; the first two take `cold` times as long."""
     used = []
     for _ in range(rounds):
         mode = choice.parallel
@@ -62,8 +61,7 @@ def test_mode_follows_the_machine():
 
 @pytest.mark.parametrize("solver", ["nlgs", "nesterov"])
 def test_mode_changes_no_bit(solver):
-    """A shared island has the bits of one thread in twelve solves; cores are busy in solves 5 to 8.
-    """
+    """A shared island has the bits of one thread in twelve solves; cores are busy in four."""
     problem, workspace = pile(2, 60, 40), _kernel.Workspace()
     settings = dict(tolerance=0, max_iterations=60)
     alone = problem.solve(solver, threads=1, **settings)

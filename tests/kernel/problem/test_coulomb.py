@@ -94,8 +94,7 @@ def test_projection_is_the_nearest_point_of_the_cone(n, t, mu):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_factor_is_the_largest_that_adds_no_energy(seed):
-    """Full restitution can add energy if the coupling w_nt reverses the slip, not without friction.
-    """
+    """Full restitution can add energy if w_nt reverses the slip, never without friction."""
     for e in 0.0, 0.5, 1.0:
         p = _kernel.solve_coulomb(1, 0, 1, -1 - e, 0.3, 0)
         assert _kernel.passive_restitution_factor(1, 0, 1, p, (-1, 0.3), (e, 0.3), -e, 0) == 1

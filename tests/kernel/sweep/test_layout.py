@@ -186,8 +186,7 @@ def test_records(case):
 
 
 def test_models():
-    """The cheapest model that holds; models of few pairs are not used, nor blocks in small islands.
-    """
+    """The cheapest model that holds; models of few pairs are not used, nor are small islands."""
 
     def models(problem, reductions=ALL):
         pairs = np.array(_kernel.layout(reductions, **problem)["pairs"])

@@ -150,9 +150,7 @@ def test_refuses_settings_out_of_range(setting, name, value):
 
 @pytest.mark.parametrize("push", [0.0, 0.01])
 def test_overlaps_that_open_are_no_wedge(push):
-    """Overlaps push a row from a wall, against its end at −push: body k leaves at k times the speed
-    of one overlap.
-    """
+    """Overlaps push a row from a wall against its end: body k leaves at k times one speed."""
     bodies, speed = 50, 1.0
     inverse = np.ones((bodies + 1, 3))
     inverse[0] = 0

@@ -7,9 +7,11 @@ The reference shares no code with the plugin.
     b_n = e u_n⁻ if the gap closes within the step, else max(gap, 0)/dt
 """
 
+import collections
 import dataclasses
 
 import numpy as np
+from kernel.contact_problems import dense, jacobian_times, problem_of, velocity
 from natural_map import error
 
 MOST_SWEEPS = 20_000
@@ -18,8 +20,7 @@ FASTEST = 10  # m/s; gaps that no pair closes within a step are left out
 
 @dataclasses.dataclass
 class Body:
-    """A disc (half_length 0) or rod, radius 0: a wall; without inverse mass it is an obstacle. SI.
-    """
+    """A disc (half_length 0), rod or wall (radius 0); without inverse mass an obstacle. SI."""
 
     center: np.ndarray
     angle: float
@@ -39,15 +40,7 @@ class Body:
         return np.array([1 / self.mass, 1 / self.mass, 1 / self.inertia])
 
 
-@dataclasses.dataclass
-class Point:
-    """A contact point of bodies i and j; the normal points from i to j."""
-
-    i: int
-    j: int
-    position: np.ndarray
-    normal: np.ndarray
-    gap: float
+Point = collections.namedtuple("Point", "i j position normal gap")  # the normal is from i to j
 
 
 def foot(x, ends):
@@ -82,17 +75,6 @@ def contacts(bodies, reach):
     return [p for p in found if p.gap < reach]
 
 
-def jacobian(point, bodies):
-    """(2, 6): relative velocity (u_n, u_t) of a point from both velocities (v_x, v_y, ω)."""
-    n = point.normal
-    frame = np.array([n, [-n[1], n[0]]])
-    rows = []
-    for number, sign in ((point.i, -1), (point.j, 1)):
-        r = point.position - bodies[number].center
-        rows.append(sign * np.column_stack([frame, frame @ [-r[1], r[0]]]))
-    return np.hstack(rows)
-
-
 def solve_point(w, q, friction):
     """p of one point with Signorini's and Coulomb's law; u = q + W p."""
     if q[0] >= 0:
@@ -105,46 +87,42 @@ def solve_point(w, q, friction):
     return np.array([normal, slope * normal])
 
 
-def solve(bodies, points, velocity, bias, friction, tolerance=1e-10):
+def solve(problem, tolerance=1e-10):
     """Velocities (N, 3) after the step, impulses (K, 2), residual of docs/law.md, by Gauss–Seidel.
     ‖p‖ is at least 1e-6 of the impulses that stop all points: grazing impulses are rounding.
     """
-    count, p = len(points), np.zeros((len(points), 2))
-    j = np.zeros((count, 2, len(bodies), 3))
-    for k, point in enumerate(points):
-        j[k][:, [point.i, point.j]] = jacobian(point, bodies).reshape(2, 2, 3)
-    j = j.reshape(2 * count, 3 * len(bodies))
-    minv_jt = np.ravel([b.inverse_mass for b in bodies])[:, None] * j.T
-    w, q = j @ minv_jt, (j @ velocity.ravel()).reshape(-1, 2)
-    w_nn, mu = np.diag(w)[::2], np.full(count, friction)
-    least = max(1e-6 * np.linalg.norm(q[:, 0] / w_nn), 1e-300)
-    q = q + np.column_stack([bias, np.zeros(count)])
+    (w, q), mu, p = dense(problem), problem["friction"], problem["impulse"]
+    w_nn = np.diag(w)[::2]
+    least = max(1e-6 * np.linalg.norm((q[:, 0] - problem["bias"]) / w_nn), 1e-300)
     for sweep in range(MOST_SWEEPS):
-        for k in range(count):
+        for k in range(len(p)):
             block = w[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
             u = q[k] + w[2 * k : 2 * k + 2] @ p.ravel()
-            p[k] = solve_point(block, u - block @ p[k], friction)
+            p[k] = solve_point(block, u - block @ p[k], mu[k])
         if sweep % 10 == 0:
             u = q + (w @ p.ravel()).reshape(-1, 2)
             residual = np.linalg.norm(error(p, u, mu, w_nn)) / max(np.linalg.norm(p), least)
             if residual <= tolerance:
-                return velocity + (minv_jt @ p.ravel()).reshape(-1, 3), p, residual
+                return velocity(problem, p), p, residual
     raise RuntimeError(f"not converged after {MOST_SWEEPS} sweeps")
 
 
 def step(bodies, dt, gravity, friction=0.0, restitution=0.0):
     """Moves the bodies by one step; returns contact points, impulses and residual."""
     points = contacts(bodies, FASTEST * dt)
-    before = np.array([b.velocity for b in bodies])
-    moving = np.array([b.inverse_mass.any() for b in bodies])
-    free = before + dt * np.outer(moving, [*gravity, 0])
-    bias = []
-    for p in points:
-        approach = jacobian(p, bodies)[0] @ before[[p.i, p.j]].ravel()
-        meets = restitution > 0 and approach < 0 and p.gap + dt * approach < 0
-        bias.append(restitution * approach if meets else max(p.gap, 0) / dt)
-    velocity, impulses, residual = solve(bodies, points, free, bias, friction)
-    for body, v in zip(bodies, velocity):
+    before, inverse_mass, center = (np.array([getattr(b, name) for b in bodies])
+                                    for name in ("velocity", "inverse_mass", "center"))
+    after = before + dt * np.outer(inverse_mass.any(1), [*gravity, 0])
+    impulses, residual = np.zeros((0, 2)), 0
+    if points:
+        i, j, position, normal, gap = map(np.array, zip(*points))
+        problem = problem_of("step", inverse_mass, after, np.column_stack([i, j]), normal,
+                             position - center[i], position - center[j], friction=friction)
+        approach = jacobian_times(problem, before)[:, 0]
+        meets = (restitution > 0) & (approach < 0) & (gap + dt * approach < 0)
+        problem["bias"] = np.where(meets, restitution * approach, np.maximum(gap, 0) / dt)
+        after, impulses, residual = solve(problem)
+    for body, v in zip(bodies, after):
         if body.inverse_mass.any():
             body.velocity = v
             body.center = body.center + dt * v[:2]

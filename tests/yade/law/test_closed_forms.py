@@ -30,9 +30,7 @@ def test_particle_has_the_mass_centre_and_inertia_of_its_shape(eta, angle):
 
 
 def floor_and_slope(kind, alpha, body, mu):
-    """A body on a wall under tilted gravity, or on a turned box, a slope that falls by α towards
-    +x; returns (id, direction down).
-    """
+    """(id, direction down) of a body on a wall under tilted gravity, or on a turned box."""
     a, r, angle = body
     turned = 0 if kind == "wall" else alpha
     down = np.array([math.cos(turned), -math.sin(turned)])

@@ -143,8 +143,7 @@ def test_overlaps_of_other_bodies_do_not_count_as_missed_steps(place):
 
 @pytest.mark.parametrize("angle, slide", [(1.5, 0), (3, 1)])
 def test_a_turning_clump_meets_a_disc_on_its_curved_path(angle, slide):
-    """Its first velocity would miss the disc; with `slide`, the head of the hammer starts at rest.
-    """
+    """Its first velocity would miss the disc; with `slide`, the head starts at rest."""
     grain, dt, head = material(0.5), 1e-3, np.array((0.1, 0))
     build(dt=dt, gravity=(0, 0, 0), tolerance=1e-4)
     hammer, _ = rcr.clump([particle((s * 0.1, 0), R=0.01, eta=0, material=grain) for s in (-1, 1)])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import rcr
+from kernel.contact_problems import jacobian_times, problem_of_rows, weights
 from natural_map import error
 from scenes import box, build, material, pile, solver as engine, stadium, steps
 from yade import O, utils
@@ -10,28 +11,23 @@ from yade import O, utils
 
 def residual():
     """Residual from the geometry at the beginning of the step and the velocities at its end."""
-    points = []  # (p_n, p_t, u_n + b_n, u_t, µ, w_nn)
+    v, inverse_mass, p, rows = [], [], [], []
+    for s in (b.state for b in O.bodies):
+        v.append((s.vel[0], s.vel[1], s.angVel[2]))
+        free = [axis not in s.blockedDOFs for axis in "xyZ"]
+        inverse_mass.append(free / np.array([s.mass or 1, s.mass or 1, s.inertia[2] or 1]))
+    center = [np.array(b.state.pos)[:2] - O.dt * np.array(b.state.vel)[:2] for b in O.bodies]
     for i in O.interactions:
         for k in range(i.geom.points):
-            n = np.array((i.geom.normal1, i.geom.normal2)[k])[:2]
             x = np.array((i.geom.position1, i.geom.position2)[k])[:2]
-            p = O.dt * np.array((i.phys.force1, i.phys.force2)[k])
-            w_nn, u = 0.0, np.zeros(2)
-            for body, sign in ((i.id1, -1), (i.id2, 1)):
-                s = O.bodies[body].state
-                v = np.array(s.vel)[:2]
-                r = x - (np.array(s.pos)[:2] - O.dt * v)
-                u += sign * (v + s.angVel[2] * np.array((-r[1], r[0])))
-                free = [axis not in s.blockedDOFs for axis in "xyZ"]
-                lever = r[0] * n[1] - r[1] * n[0]
-                w_nn += (free[0] * n[0] ** 2 + free[1] * n[1] ** 2) / (s.mass or 1)
-                w_nn += free[2] * lever**2 / (s.inertia[2] or 1)
-            slip = n[0] * u[1] - n[1] * u[0]
-            points.append((p[0], p[1], n @ u + i.phys.bias[k], slip,
-                           i.phys.tangensOfFrictionAngle, w_nn))
-    points = np.array(points)
-    p, u, mu, w_nn = points[:, :2], points[:, 2:4], points[:, 4], points[:, 5]
-    return np.linalg.norm(error(p, u, mu, w_nn)) / np.linalg.norm(p)
+            p.append(O.dt * np.array((i.phys.force1, i.phys.force2)[k]))
+            n = np.array((i.geom.normal1, i.geom.normal2)[k])[:2]
+            rows.append((i.id1, i.id2, *n, *x - center[i.id1], *x - center[i.id2], i.phys.bias[k],
+                         i.phys.tangensOfFrictionAngle))
+    problem = problem_of_rows("scene", inverse_mass, v, rows)
+    u = jacobian_times(problem, np.array(v)) + problem["bias"][:, None] * [1, 0]
+    miss = error(np.array(p), u, problem["friction"], weights(problem))
+    return np.linalg.norm(miss) / np.linalg.norm(p)
 
 
 @pytest.mark.parametrize("solver", ["nlgs", "sor", "nesterov", "exact", "auto"])

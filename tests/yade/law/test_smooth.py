@@ -291,9 +291,7 @@ def test_checkpoint_of_springs(tmp_path):
 
 
 def test_the_critical_time_step_counts_light_clumps_and_lids():
-    """A clump with a hundredth of the mass vibrates ten times as fast. A lid of the mass of a
-    hundredth of a grain presses six grains.
-    """
+    """Light clumps vibrate faster, as a lid of a hundredth of a grain on six grains."""
     found = []
     for mass in (1.0, 0.01):
         build(law="smooth")

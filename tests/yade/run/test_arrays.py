@@ -208,8 +208,7 @@ def moment():
 
 
 def after(scene, arrays, count=STEPS, reload="", **attributes):
-    """The moment after `count` steps, with a reload half-way if any, one step later, and the model.
-    """
+    """The moment after `count` steps, reloaded half-way if `reload`, a step later, the model."""
     scene()
     for name, value in dict(attributes, arrays=arrays).items():
         setattr(solver(), name, value)

@@ -425,9 +425,7 @@ def test_a_run_stops_at_the_error(dt, wait):
 
 
 def test_a_run_that_fails_raises_every_time():
-    """A run in the background before it begins. YADE's run thread loses its exception if it ends
-    before the session waits.
-    """
+    """YADE's run thread loses its exception if it ends before the session waits."""
     resting()
     set_state(mass=0)
     refused("#1 is free but has the mass 0", O.run, 1000)

@@ -150,9 +150,7 @@ def test_script_runs_a_point_again(tmp_path):
 
 
 def test_points_that_ran_out_of_time_are_repeated_with_more(monkeypatch):
-    """Other failures are findings; --retry repeats both. The command of a point has its options:
-    paths may have spaces; the default of --peers is left out.
-    """
+    """Other failures are findings; --retry repeats both. The command has all options."""
     statuses = "ok", "given up after 40 s", "given up after 60 s", "RuntimeError: flew apart"
     settled = lambda retry: [charts.settled(status, 60, retry=retry) for status in statuses]
     assert settled(retry=False) == [True, False, True, True]
