@@ -125,8 +125,7 @@ def _row(test, folder, first, last):
              if within(float(path.stem.split("-")[1]))]
     rows = [row for row in test.rows if within(row["strain"])]
     total = lambda name: sum(row[name] for row in rows)
-    row = {name: test.parameters[name]
-           for name in ("eta", "particles", "inertial_number", "seed")}
+    row = {name: test.parameters[name] for name in ("eta", "particles", "inertial_number", "seed")}
     row |= dict(strain=last) | {name: test.progress[name] for name in ("steps", "seconds")}
     found = observed([Network.load(path) for path in paths])
     found |= dict(sin_phi=sin_phi([total("stress_x"), total("stress_y")]),
@@ -163,8 +162,7 @@ def slope_of_rates(rows, name):
 
 
 def _with(rows, setting, strain=STRAIN):
-    return [row for row in rows
-            if _setting(row["point"]) == setting and row["strain"] == strain]
+    return [row for row in rows if _setting(row["point"]) == setting and row["strain"] == strain]
 
 
 def _setting(point):

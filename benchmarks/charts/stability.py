@@ -31,7 +31,7 @@ def points(options):
 def run(name, options):
     scene, law, dt = name.split("/")
     module = suite.scene(scene)
-    is_long = "seconds" in inspect.signature(module.set_up).parameters
+    is_long = "seconds" in inspect.signature(module.run).parameters
     shortened = dict(seconds=1.0 if options.quick else 10.0) if is_long else {}
     found = suite.run(scene, LAWS[law], float(dt), **shortened)
     verdict = "blows up" if not found.stable else "holds" if found.holds else "drifts"

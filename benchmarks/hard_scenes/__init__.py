@@ -1,6 +1,6 @@
 """Scenes on which contact solvers are known to fail.
 
-`stage.hard_scene` marks the function that makes a scene. In every scene `Clock` also checks that
+`stage.hard_scene` marks the function that runs a scene. In every scene `Clock` also checks that
 contacts give no energy and that no grain tunnels.
 """
 
@@ -47,14 +47,13 @@ class Result:
 
 def run(name, law=ContactDynamics(), dt=DT, **shortened):
     """Result of a scene; long scenes take a number of `seconds`."""
-    measure = scene(name).set_up(partial(build, law, dt), **shortened)
-    if isinstance(measure, list):
-        ids = measure
-        measure = lambda clock: farthest(ids, clock, 10.0) / D
-    clock, start = Clock(), time.process_time()
-    measured = float(measure(clock))
+    clock = Clock()
+    measured = scene(name).run(partial(build, law, dt), clock, **shortened)
+    if isinstance(measured, list):
+        measured = farthest(measured, clock, 10.0) / D
     return Result(
-        measured=measured, gain=clock.gain / clock.scale, overlap=clock.overlap, steps=clock.steps,
-        seconds=time.process_time() - start, holds=measured <= scene(name).BOUND,
+        measured=float(measured), gain=clock.gain / clock.scale, overlap=clock.overlap,
+        steps=clock.steps, seconds=time.process_time() - clock.began,
+        holds=measured <= scene(name).BOUND,
         stable=math.isfinite(clock.gain) and clock.gain <= BLOW_UP * clock.scale
         and clock.overlap < TUNNEL)

@@ -261,22 +261,18 @@ def _look(course, ids):
 SECONDS = 0.5  # duration of a hard scene, in which the drive moves by 3 R
 
 
-def staged(make, motion):
+def staged(make, clock, motion):
     law, dt = make.args
     scene = Scene(seed=0, motion=motion, eta=0.5, friction=0.5, grains=60, dt=dt,
                   speed=3 * R / SECONDS, steps=math.ceil(SECONDS / dt))
     ids, top = begin(scene, law, _settled(scene))
     allowed, speeds = 10 * scene.speed + math.sqrt(2 * G * top), [0.0]
-
-    def measure(clock):
-        look = lambda: speeds.append(max(O.bodies[i].state.vel.norm() for i in ids))
-        try:
-            clock.pass_(SECONDS, look)
-        except RuntimeError as stopped:
-            assert "jam" in str(stopped), stopped
-        return max(speeds) / allowed
-
-    return measure
+    look = lambda: speeds.append(max(O.bodies[i].state.vel.norm() for i in ids))
+    try:
+        clock.pass_(SECONDS, look)
+    except RuntimeError as stopped:
+        assert "jam" in str(stopped), stopped
+    return max(speeds) / allowed
 
 
 SCENES |= {f"s{number}_driven_{motion}": stage.Scene(

@@ -5,6 +5,7 @@ R = 0.01 m is the circumscribed radius of every body unless a scene states anoth
 
 import dataclasses
 import math
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -79,12 +80,12 @@ def on_floor(make, rough, *bodies, **options):
 
 @dataclasses.dataclass(frozen=True)
 class Scene:
-    """A hard scene; measured ≤ BOUND must hold. `set_up(make)` builds it by `make`, `build` with a
-    law and a time step. It returns ids of bodies that must not move in 10 s, or a function
-    `measure(clock)`.
+    """A hard scene; measured ≤ BOUND must hold. `run(make, clock)` builds it by `make`, which is
+    `build` with a law and a time step, and advances it. It returns the measured number, or ids of
+    bodies that must not move in 10 s.
     """
 
-    set_up: Callable
+    run: Callable
     TITLE: str
     PREDICATE: str
     BOUND: float
@@ -97,10 +98,10 @@ SCENES = {}  # by name
 
 def hard_scene(title, predicate="largest displacement in 10 s, in diameters", bound=1e-3,
                reason="geometric error of 1e-3 diameters, as in all scenes", rigid_only=False):
-    """Add a function as `set_up` of a scene with its name."""
-    def add(set_up):
-        SCENES[set_up.__name__] = Scene(set_up, title, predicate, bound, reason, rigid_only)
-        return set_up
+    """Add a function as `run` of a scene with its name."""
+    def add(run):
+        SCENES[run.__name__] = Scene(run, title, predicate, bound, reason, rigid_only)
+        return run
 
     return add
 
@@ -224,9 +225,8 @@ def solver():
 
 def farthest(ids, clock, seconds):
     """Advance by `seconds` and return the largest displacement of these bodies [m]."""
-    start, way = positions(ids), [0.0]
-    clock.pass_(seconds, lambda: way.append(np.linalg.norm(positions(ids) - start, axis=1).max()))
-    return np.max(way)  # NaN stays
+    start = positions(ids)
+    return clock.largest(seconds, lambda: np.linalg.norm(positions(ids) - start, axis=1).max())
 
 
 class Clock:
@@ -239,12 +239,12 @@ class Clock:
     """
 
     def __init__(self, samples=1000):
-        self.samples = samples
+        self.samples, self.began = samples, None  # processor time before the first step [s]
         self.gain = self.overlap = self.steps = 0
-        self.restart()
 
     def restart(self):
-        """Count the energy from here, after a change of the scene by hand."""
+        """Count the energy from here: the first step, or a change of the scene by hand."""
+        self.began = self.began or time.process_time()
         self.kinetic, self.potential, self.driven = kinetic(), potential(), 0.0
         self.prescribed = [b for b in O.bodies if b and b.state.blockedDOFs == "xyzXYZ"]
         loads = sum(b.state.mass for b in _free()) * G + sum(
@@ -255,8 +255,16 @@ class Clock:
         """Advance by `seconds`, rounded to steps; calls `each()` at every sample."""
         self.step(max(1, round(seconds / O.dt)), each)
 
+    def largest(self, seconds, value):
+        """Advance by `seconds` and return the largest of the samples of `value()`; NaN stays."""
+        seen = []
+        self.pass_(seconds, lambda: seen.append(value()))
+        return np.max(seen)
+
     def step(self, count, each=None):
         """Advance by `count` steps; calls `each()` at every sample."""
+        if self.began is None:
+            self.restart()
         chunk = max(1, count // self.samples)
         while count > 0:
             for _ in range(min(chunk, count)):  # O.run(…, True) returns up to 40 ms late
@@ -264,11 +272,8 @@ class Clock:
                 self.driven += _work_of(self.prescribed)
             self.steps += min(chunk, count)
             count -= chunk
-            # np.maximum keeps NaN
-            self.gain = np.maximum(
-                self.gain,
-                kinetic() - self.kinetic - max(0, self.potential - potential())
-                - max(0, self.driven))
+            gain = kinetic() - self.kinetic - max(0, self.potential - potential())
+            self.gain = np.maximum(self.gain, gain - max(0, self.driven))  # keeps NaN
             self.overlap = np.maximum(self.overlap, deepest())
             if each:
                 each()

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import rcr
 from rcr.frame import Frame
-from scenes import (FLOORS, G, build, gaps, iterations, material, solver, springy, steps,
-                    velocity)
+from scenes import FLOORS, G, build, gaps, iterations, material, solver, springy, steps, velocity
 from yade import O, utils
 
 GRAINS = {"Sphere": lambda at, m: rcr.disc(at, 0.1, material=m),
