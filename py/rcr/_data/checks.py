@@ -3,8 +3,8 @@
 Needs NumPy.
 """
 
-import math
 import numbers
+import sys
 
 import numpy as np
 
@@ -17,7 +17,7 @@ def error(name, value, expected):
 def number(name, value, expected="a finite number", valid=lambda v: True):
     """Return `value` as a float, if it is a finite real number and `valid(value)` holds."""
     real = isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
-    if not real or not _is_finite(value) or not valid(float(value)):
+    if not real or not abs(value) <= sys.float_info.max or not valid(float(value)):
         raise error(name, value, expected)
     return float(value)
 
@@ -69,11 +69,9 @@ def rectangle(name, value):
     return corners
 
 
-def ids(name, value, end):
-    """Return `value` as an array of integers, each from 0 to `end` − 1."""
-    value, expected = np.asarray(value), f"whole numbers from 0 to {end - 1}"
-    if value.dtype.kind not in "iuf" and value.size:
-        raise ValueError(f"{name} does not hold numbers, but {value.dtype}; expected {expected}")
+def ids(name, value, end, shape):
+    """Return `value` as an array of integers of a shape, each from 0 to `end` − 1."""
+    value, expected = array(name, value, shape), f"whole numbers from 0 to {end - 1}"
     require((value == np.floor(value)) & (value >= 0) & (value < end), name, value, expected)
     return value.astype(np.int32 if end <= 2**31 else np.int64)
 
@@ -85,10 +83,3 @@ def require(good, name, value, expected):
     index = np.unravel_index(np.argmin(good), np.shape(good))
     place = ", ".join(map(str, index))
     raise ValueError(f"{name}[{place}] = {value[index]:g}; expected {expected}")
-
-
-def _is_finite(value):
-    try:
-        return math.isfinite(value)
-    except OverflowError:  # an integer above the largest float
-        return False

@@ -1,8 +1,8 @@
 """Atomic writes, and readers that report damaged files. Needs Python alone; HDF5 needs h5py.
 
-A file is built in memory, written to a temporary name, flushed to the disk and renamed. A crash or
-a full disk leaves the previous file unchanged. HDF5 files are built in memory too, because the
-HDF5 library ends the process when a write fails.
+A file is written to a temporary name, flushed to the disk and renamed. A crash or a full disk
+leaves the previous file unchanged. HDF5 files are built in memory, because the HDF5 library ends
+the process when a write fails.
 """
 
 import contextlib
@@ -12,9 +12,9 @@ import hashlib
 import io
 import json
 import os
+import pathlib
 import shutil
 import stat
-import tempfile
 
 PART = ".part-"  # prefix of files that are being written
 SEAL = b"\nrcr sha256 "  # precedes the 64 digits at the end of an HDF5 file, which HDF5 ignores
@@ -22,70 +22,46 @@ LARGEST_RATIO = 1100  # largest ratio of unpacked to packed size [-]; deflate re
 
 
 def write(path, content):
-    """Write bytes or text (as UTF-8) to a file atomically; a symbolic link keeps its target.
-
-    An OSError names the path. The previous file is then unchanged.
-    """
-    check_writable(path)
-    target = os.path.realpath(path)
-    partial = _partial_path(target)
+    """Write bytes or text (as UTF-8) to a file by `atomic_path`; an OSError names the path."""
     try:
-        with locked(partial) as file:
-            try:
-                file.truncate(0)
-                file.write(content.encode() if isinstance(content, str) else content)
-                file.flush()
-                os.fsync(file.fileno())
-                os.replace(partial, target)
-            except BaseException:
-                os.unlink(partial)
-                raise
-        _flush(os.path.dirname(target))
+        with atomic_path(path) as partial, open(partial, "wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
     except OSError as error:
         raise OSError(error.errno, error.strerror, os.fspath(path)) from error
 
 
 @contextlib.contextmanager
 def atomic_path(path):
-    """Yield a temporary path for libraries that write to a name; rename it to `path` at the end.
+    """Yield a temporary path to write to; flush the file and rename it to `path` at the end.
 
-    The temporary file has the same name in a hidden folder beside `path`, which is locked. An
-    exception removes it. The file gets the permissions of the umask.
+    The temporary file is beside `path`, has its suffix, and is locked. An exception removes it. The
+    file gets the permissions of the umask. A symbolic link keeps its target.
     """
     check_writable(path)
-    folder, name = os.path.split(os.path.realpath(path))
-    with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as hidden, _locked_folder(hidden):
-        partial = os.path.join(hidden, name)
-        yield partial
-        _flush(partial)
-        os.replace(partial, os.path.join(folder, name))
-        _flush(folder)
-
-
-@contextlib.contextmanager
-def _locked_folder(path):
-    """Block in which this process has the lock of a folder; else a BlockingIOError."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        yield
-    finally:
-        os.close(handle)
+    target = os.path.realpath(path)
+    folder, name = os.path.split(target)
+    partial = os.path.join(folder, PART + os.fsdecode(os.fsencode(name)[-200:]))
+    with locked(partial):
+        try:
+            yield partial
+            _flush(partial)
+            os.replace(partial, target)
+        except BaseException:
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(partial)
+            raise
+    _flush(folder)
 
 
 def remove_parts(folder):
     """Remove the partial files of killed processes; running processes keep theirs."""
-    for name in os.listdir(folder):
-        partial = os.path.join(folder, name)
-        if not name.startswith(PART):
-            continue
+    for path in pathlib.Path(folder).glob(PART + "*"):
         with contextlib.suppress(BlockingIOError, FileNotFoundError):
-            if os.path.isdir(partial):
-                with _locked_folder(partial):
-                    shutil.rmtree(partial)
+            if path.is_dir():
+                shutil.rmtree(path)
             else:
-                with locked(partial, wait=False):
-                    os.unlink(partial)
+                with locked(path, wait=False):
+                    path.unlink()
 
 
 def check_writable(path):
@@ -101,12 +77,6 @@ def check_writable(path):
         raise FileNotFoundError(2, "this folder does not exist", folder)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise PermissionError(13, "this folder cannot be written", folder)
-
-
-def _partial_path(target):
-    """Return the temporary name of a file; at most the last 200 bytes of the name are kept."""
-    folder, name = os.path.split(target)
-    return os.path.join(folder, PART + os.fsdecode(os.fsencode(name)[-200:]))
 
 
 def locked(path, wait=True):

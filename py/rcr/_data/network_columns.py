@@ -25,11 +25,8 @@ def checked(group, arrays):
     if missing:
         expected = ", ".join(shapes)
         raise ValueError(f"group {group!r} lacks {', '.join(missing)}; expected {expected}")
-    arrays = {name: np.asarray(arrays[name]) for name in shapes}
     first = next(iter(shapes))
-    if arrays[first].ndim != 1:
-        raise ValueError(f"{group}/{first} has shape {arrays[first].shape}; expected (rows,)")
-    rows = len(arrays[first])
+    rows, found = len(checks.reals(f"{group}/{first}", arrays[first], (None,))), {}
     for column, shape in shapes.items():
         name = f"{group}/{column}"
         values = checks.reals(name, arrays[column], (rows, *shape))
@@ -41,9 +38,9 @@ def checked(group, arrays):
         if column in INTEGERS:
             whole = (values == np.floor(values)) & (np.abs(values) < 2**63)
             checks.require(whole, name, values, "whole numbers of 64 bits")
-            values = arrays[column].astype(np.int64)
-        arrays[column] = values
-    return arrays
+            values = np.asarray(arrays[column]).astype(np.int64)
+        found[column] = values
+    return found
 
 
 def read(file, group, path):
@@ -61,8 +58,16 @@ def read(file, group, path):
 
 def check_meaning(particles, contacts, attributes):
     """Raise a ValueError unless the columns can be those of a scene."""
-    _check_grains(particles)
-    _check_contacts(contacts, particles["id"])
+    for group, columns, rules in (("particles", particles, _of_grains(particles)),
+                                  ("contacts", contacts, _of_contacts(contacts, particles["id"]))):
+        for name, good, expected in rules:
+            checks.require(good, f"{group}/{name}", columns[name], expected)
+    length = np.hypot(*contacts["normal"].T)
+    checks.require(abs(length - 1) < 1e-6, "the length of contacts/normal", length, "1")
+    normal_force = np.einsum("ca,ca->c", contacts["force"], contacts["normal"])
+    if len(length) and not normal_force.mean() > 0:
+        given = f"the mean normal force is {normal_force.mean():g}"
+        raise ValueError(f"{given}; expected > 0, compression")
     ranges = dict(strain=("a finite number", math.isfinite),
                   eta=("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
                   friction=("a finite coefficient ≥ 0", lambda v: 0 <= v < math.inf))
@@ -70,40 +75,27 @@ def check_meaning(particles, contacts, attributes):
         checks.number(f"the attribute {name}", attributes[name], *ranges[name])
 
 
-def _check_grains(p):
-    def require(name, good, expected):
-        checks.require(good, f"particles/{name}", p[name], expected)
-
-    for name in ("R", "cap_radius", "mass"):
-        require(name, p[name] > 0, "> 0")
-    require("half_length", p["half_length"] >= 0, "≥ 0")
+def _of_grains(p):
+    """Return (column, mask of valid rows, what is expected) of the grains."""
     tips = p["half_length"] + p["cap_radius"]
-    require("R", abs(p["R"] - tips) <= 1e-6 * tips, "half_length + cap_radius")
-    unique, count = np.unique(p["id"], return_counts=True)
-    wrong = (count > 1) | (unique < 0)
-    if wrong.any():
-        given = f"particles/id holds {unique[wrong][0]} {count[wrong][0]} times"
-        raise ValueError(f"{given}; expected ids ≥ 0, each once")
-    good = ~np.isin(p["clump"], p["id"]) & (p["clump"] >= -1)
-    require("clump", good, "−1, or an id that no particle has")
+    _, row, count = np.unique(p["id"], return_inverse=True, return_counts=True)
+    return [
+        *((name, p[name] > 0, "> 0") for name in ("R", "cap_radius", "mass")),
+        ("half_length", p["half_length"] >= 0, "≥ 0"),
+        ("R", abs(p["R"] - tips) <= 1e-6 * tips, "half_length + cap_radius"),
+        ("id", (p["id"] >= 0) & (count[row] == 1), "ids ≥ 0, each once"),
+        ("clump", ~np.isin(p["clump"], p["id"]) & (p["clump"] >= -1),
+         "−1, or an id that no particle has")]
 
 
-def _check_contacts(c, ids):
-    def require(name, good, expected):
-        checks.require(good, f"contacts/{name}", c[name], expected)
-
+def _of_contacts(c, ids):
+    """Return (column, mask of valid rows, what is expected) of the contacts."""
     one, two, kind = c["body1"], c["body2"], c["type"]
-    require("body1", np.isin(one, ids), "the id of a particle")
-    expected = "the id of a particle, or a negative one of an obstacle"
-    require("body2", (two < 0) | np.isin(two, ids), expected)
-    require("body2", one != two, "another body than body 1")
-    require("type", (kind >= CAP_CAP) & (kind <= WALL), "0 to 3")
-    expected = f"{WALL} for an obstacle as body 2, and only there"
-    require("type", (kind == WALL) == (two < 0), expected)
-    require("points", (c["points"] == 1) | (c["points"] == 2), "1 or 2")
-    length = np.hypot(*c["normal"].T)
-    checks.require(abs(length - 1) < 1e-6, "the length of contacts/normal", length, "1")
-    normal_force = np.einsum("ca,ca->c", c["force"], c["normal"])
-    if len(length) and not normal_force.mean() > 0:
-        given = f"the mean normal force is {normal_force.mean():g}"
-        raise ValueError(f"{given}; expected > 0, compression")
+    return [
+        ("body1", np.isin(one, ids), "the id of a particle"),
+        ("body2", (two < 0) | np.isin(two, ids),
+         "the id of a particle, or a negative one of an obstacle"),
+        ("body2", one != two, "another body than body 1"),
+        ("type", (kind >= CAP_CAP) & (kind <= WALL), "0 to 3"),
+        ("type", (kind == WALL) == (two < 0), f"{WALL} for an obstacle as body 2, and only there"),
+        ("points", np.isin(c["points"], (1, 2)), "1 or 2")]

@@ -30,13 +30,13 @@ class BodyProblem:
 
     def __post_init__(self):
         self.inverse_mass = checks.array("inverse_mass", self.inverse_mass, (None, 3))
-        self.bodies = checks.array("bodies", self.bodies, (None, 2))
-        nb, nc = len(self.inverse_mass), len(self.bodies)
+        nb = len(self.inverse_mass)
+        self.bodies = checks.ids("bodies", self.bodies, nb, (None, 2))
+        nc = len(self.bodies)
         self.free_velocity = checks.array("free_velocity", self.free_velocity, (nb, 3))
         vectors = dict.fromkeys(("normal", "arm1", "arm2", "impulse"), (nc, 2))
         for name, shape in (vectors | dict(bias=(nc,), friction=(nc,))).items():
             setattr(self, name, checks.array(name, getattr(self, name), shape))
-        self.bodies = checks.ids("bodies", self.bodies, nb)
         checks.require(self.inverse_mass >= 0, "inverse_mass", self.inverse_mass, "≥ 0")
         checks.require(self.friction >= 0, "friction", self.friction, "µ ≥ 0")
         length = np.hypot(*self.normal.T)
@@ -128,10 +128,8 @@ class DelassusProblem:
         except (TypeError, ValueError):
             raise ValueError("entries: expected (rows, columns, values) of W") from None
         value = checks.array("W", value, (None,))
-        row, column = (
-            checks.ids(name, checks.array(name, places, value.shape), 2 * nc).astype(np.int64)
-            for name, places in (("a row of W", row), ("a column of W", column))
-        )
+        row, column = (checks.ids(f"a {name} of W", ids, 2 * nc, value.shape).astype(np.int64)
+                       for name, ids in (("row", row), ("column", column)))
         self._assemble(nc, row, column, value)
 
     def _assemble(self, nc, row, column, value):

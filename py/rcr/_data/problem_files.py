@@ -70,27 +70,24 @@ def save_fclib(path, problem):
         problem = problem.delassus()
     row, column, value = problem.entries()
     size = 2 * problem.contacts
-    pointers = np.searchsorted(row, np.arange(size + 1))
-    info = dict(title="contact problem of yade-rcr",
-                description="u = W r + q, local (n, t); b_n is in q",
-                math_info="W symmetric, semi-definite")
+    integers = {
+        "fclib_local/spacedim": 2, "fclib_local/W/nzmax": len(value), "fclib_local/W/m": size,
+        "fclib_local/W/n": size, "fclib_local/W/nz": -2,
+        "fclib_local/W/p": np.searchsorted(row, np.arange(size + 1)), "fclib_local/W/i": column,
+        "guesses/number_of_guesses": 1}
+    other = {
+        "fclib_local/W/x": value, "fclib_local/vectors/q": problem.q.ravel(),
+        "fclib_local/vectors/mu": problem.friction, "guesses/1/r": problem.impulse.ravel(),
+        "guesses/1/u": problem.velocity(problem.impulse).ravel(),
+        "fclib_local/info/title": np.bytes_("contact problem of yade-rcr"),
+        "fclib_local/info/description": np.bytes_("u = W r + q, local (n, t); b_n is in q"),
+        "fclib_local/info/math_info": np.bytes_("W symmetric, semi-definite")}
 
     def fill(file):
-        def integer(name, data):
-            file.create_dataset(name, data=np.atleast_1d(data).astype(np.int32))
-
-        integer("fclib_local/spacedim", 2)
-        matrix = dict(nzmax=len(value), m=size, n=size, nz=-2, p=pointers, i=column)
-        for name, data in matrix.items():
-            integer(f"fclib_local/W/{name}", data)
-        file["fclib_local/W/x"] = value
-        file["fclib_local/vectors/q"] = problem.q.ravel()
-        file["fclib_local/vectors/mu"] = problem.friction
-        for name, text in info.items():
-            file[f"fclib_local/info/{name}"] = np.bytes_(text)
-        integer("guesses/number_of_guesses", 1)
-        file["guesses/1/r"] = problem.impulse.ravel()
-        file["guesses/1/u"] = problem.velocity(problem.impulse).ravel()
+        for name, data in integers.items():
+            file[name] = np.atleast_1d(data).astype(np.int32)
+        for name, data in other.items():
+            file[name] = data
 
     files.write(path, files.hdf5(fill))
 
@@ -110,8 +107,7 @@ def npz(save, **arrays):
 def _suffix(path, known):
     suffix = os.path.splitext(files.path_of("the path of a problem", path))[1].lower()
     if suffix not in known:
-        expected = f"one of {', '.join(known)}"
-        raise ValueError(f"{path}: unknown suffix {suffix!r}; expected {expected}")
+        raise ValueError(f"{path}: unknown suffix {suffix!r}; expected one of {', '.join(known)}")
     return suffix
 
 
@@ -126,20 +122,17 @@ def _load_npz(path):
             raise ValueError(f"lacks {', '.join(missing)}; expected the arrays {', '.join(names)}")
         d = {name: file[name] for name in names}
     nc, nb = np.size(d["a"]), np.size(d["iI"])
-    shapes = dict.fromkeys(("a", "b", "bn", "mu"), (nc,))
-    shapes |= dict.fromkeys(("n", "ra", "rb", "p0"), (nc, 2))
-    shapes |= dict(im=np.shape(d["im"]), iI=(nb,), vfree=(nb, 3), meta=(3,))
-    d = {name: checks.array(name, d[name], shapes[name]) for name in names}
+    shapes = dict.fromkeys(("bn", "mu"), (nc,)) | dict.fromkeys(("n", "ra", "rb", "p0"), (nc, 2))
+    shapes |= dict(iI=(nb,), vfree=(nb, 3), meta=(3,))
+    d |= {name: checks.array(name, d[name], shape) for name, shape in shapes.items()}
     checks.require(d["mu"] >= 0, "mu", d["mu"], "µ ≥ 0")
     grains = d["meta"][2]
     if not (grains == int(grains) and 0 <= grains <= nb):
-        expected = f"the number of grains, at most {nb}"
-        raise ValueError(f"meta[2] = {grains:g}; expected {expected}")
-    if d["im"].shape == (nb,):
-        d["im"] = np.column_stack([d["im"], d["im"]])
-        d["im"][int(grains) :, 1] = 0  # walls move along x alone
+        raise ValueError(f"meta[2] = {grains:g}; expected the number of grains, at most {nb}")
+    if np.shape(d["im"]) == (nb,):  # walls move along x alone
+        d["im"] = np.column_stack([d["im"], np.where(np.arange(nb) < grains, d["im"], 0)])
     inverse_mass = np.column_stack([checks.array("im", d["im"], (nb, 2)), d["iI"]])
-    bodies = np.column_stack([checks.ids("a", d["a"], nb), checks.ids("b", d["b"], nb)])
+    bodies = np.column_stack([checks.ids(name, d[name], nb, (nc,)) for name in "ab"])
     points = (d[name] for name in ("n", "ra", "rb", "bn", "mu", "p0"))
     return BodyProblem(inverse_mass, d["vfree"], bodies, *points)
 
@@ -158,8 +151,7 @@ def _load_fclib(path):
         if dimension != 2:
             raise ValueError(f"spacedim = {dimension}; expected 2, contacts in the plane")
         if "V" in group or "R" in group:
-            message = "equality constraints (V, R) are not supported; expected W, q and mu alone"
-            raise ValueError(message)
+            raise ValueError("equality constraints (V, R); expected W, q and mu alone")
         q, mu = _dataset(group, "vectors/q"), _dataset(group, "vectors/mu")
         guess = _dataset(file, "guesses/1/r") if "guesses/1/r" in file else None
         return DelassusProblem(_fclib_entries(group, 2 * len(mu)), q, mu, guess)
@@ -169,19 +161,16 @@ def _fclib_entries(group, size):
     """Return rows, columns and values of the matrix W."""
     rows, columns, kind = (_scalar(group, f"W/{name}") for name in ("m", "n", "nz"))
     if (rows, columns) != (size, size):
-        given = f"W is {rows} × {columns} and mu holds {size // 2}"
-        raise ValueError(f"{given}; expected 2 rows and columns per contact")
+        raise ValueError(f"W is {rows} × {columns}; expected {size} × {size}, 2 per number of mu")
     pointers, index, value = (_dataset(group, f"W/{name}") for name in "pix")
     if kind >= 0:
         lengths = [len(array) for array in (pointers, index, value)]
         if min(lengths) < kind:
-            given = ", ".join(map(str, lengths))
-            raise ValueError(f"W: nz = {kind} triplets, but p, i, x hold {given}")
+            raise ValueError(f"W: nz = {kind} triplets, but p, i, x hold {lengths}")
         return pointers[:kind], index[:kind], value[:kind]
     if kind not in (-1, -2):
-        expected = "−1 (compressed columns), −2 (compressed rows) or a number of triplets"
-        raise ValueError(f"W/nz = {kind}; expected {expected}")
-    pointers = checks.ids("W/p", checks.array("W/p", pointers, (None,)), 2**31)
+        raise ValueError(f"W/nz = {kind}; expected −1 (columns), −2 (rows) or a number of triplets")
+    pointers = checks.ids("W/p", pointers, 2**31, (None,))
     count = pointers[-1] if len(pointers) else -1
     fits = len(pointers) == size + 1 and pointers[0] == 0 and (np.diff(pointers) >= 0).all()
     if not fits or min(len(index), len(value)) < count:

@@ -31,16 +31,14 @@ def identity(parameters):
 @functools.cache
 def commit():
     """Return the commit of the clone, with a + for changed files, or 'unknown' outside a clone."""
-    stated = os.environ.get("YADE_RCR_COMMIT")
-    if stated:
+    if stated := os.environ.get("YADE_RCR_COMMIT"):
         return stated
     clone = pathlib.Path(__file__).resolve().parents[3]
     if not (clone / ".git").exists():  # an installed package may lie in another repository
         return "unknown"
-    options = ["--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
+    command = ["git", "-C", clone, "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
     with contextlib.suppress(OSError):
-        done = subprocess.run(
-            ["git", "-C", clone, "describe", *options], capture_output=True, text=True)
+        done = subprocess.run(command, capture_output=True, text=True)
         return done.stdout.strip() or "unknown"
     return "unknown"
 
@@ -99,8 +97,7 @@ def claim_folder(
             for path in old:
                 if not resume or path.name == last:
                     path.unlink()
-            text = json.dumps(record, indent=2, ensure_ascii=False)
-            files.write(folder / RUN, text + "\n")
+            files.write(folder / RUN, json.dumps(record, indent=2, ensure_ascii=False) + "\n")
             return record
 
         yield begin
@@ -159,7 +156,6 @@ def _check_new(folder, kept, old, parameters, checkpoint, last):
     if other:
         raise ValueError(f"{folder} holds a run with {other}; {todo}")
     todo = "continue it with --resume, or start again with --overwrite"
-    if checkpoint and (folder / last).exists():
-        raise ValueError(f"{folder} holds this run, complete; {todo}")
-    if checkpoint and (folder / checkpoint).exists():
-        raise ValueError(f"{folder} holds this run, not complete; {todo}")
+    for name, state in ((last, "complete"), (checkpoint, "not complete")):
+        if checkpoint and (folder / name).exists():
+            raise ValueError(f"{folder} holds this run, {state}; {todo}")

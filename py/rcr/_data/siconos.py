@@ -13,15 +13,11 @@ def load_siconos(path):
     dimension, nc = words.integer("dimension"), words.integer("number of contacts")
     if dimension != 2:
         raise ValueError(f"dimension = {dimension}; expected 2, contacts in the plane")
-    storage, rows, columns = (
-        words.integer(f"{name} of the matrix") for name in ("storage", "rows", "columns")
-    )
-    if nc < 0 or (rows, columns) != (2 * nc, 2 * nc):
-        given = f"the matrix is {rows} × {columns} for {nc} contacts"
-        raise ValueError(f"{given}; expected 2 rows and columns per contact")
+    storage, rows, columns = words.integers("storage, rows and columns of the matrix", 3)
+    if nc < 0 or not rows == columns == 2 * nc:
+        raise ValueError(f"the matrix is {rows} × {columns} for {nc} contacts; expected 2 each")
     if storage not in (0, 1, 2):
-        expected = "0 dense, 1 blocks or 2 sparse"
-        raise ValueError(f"storage {storage} of the matrix; expected {expected}")
+        raise ValueError(f"storage = {storage}; expected 0 dense, 1 blocks or 2 sparse")
     entries = (_dense, _blocks, _sparse)[storage](words, 2 * nc)
     q, mu = words.numbers("q", 2 * nc), words.numbers("mu", nc)
     return DelassusProblem(entries, q, mu)
@@ -46,8 +42,7 @@ class _Words:
     def numbers(self, what, count):
         """Read `count` numbers, over several lines; `what` names them in an error."""
         if not 0 <= count <= self.count:
-            given = f"{count} numbers of {what} are announced"
-            raise ValueError(f"{given} in a file of {self.count} words")
+            raise ValueError(f"{count} numbers of {what} are announced, of {self.count} words")
         found = []
         while len(found) < count and (words := self.next_line()):
             words = words[: count - len(found)]
@@ -58,8 +53,8 @@ class _Words:
         try:
             return np.array(found, float)
         except ValueError:
-            place = f"before line {self.line + 2}"
-            raise ValueError(f"{what} holds a word that is not a number, {place}") from None
+            raise ValueError(
+                f"{what} holds a word that is not a number, before line {self.line + 2}") from None
 
     def integer(self, what):
         return int(self.integers(what, 1)[0])
@@ -75,8 +70,7 @@ def _dense(words, size):
     """Read a matrix that is stored column by column."""
     words.numbers("the size of the matrix", 2)
     value = words.numbers("the matrix", size * size)
-    column, row = np.divmod(np.arange(size * size), size or 1)
-    return row, column, value
+    return np.tile(np.arange(size), size), np.repeat(np.arange(size), size), value
 
 
 def _blocks(words, size):
@@ -96,8 +90,7 @@ def _blocks(words, size):
     fits = count == filled2 and filled1 == rows + 1 and (np.diff(start) >= 0).all()
     inside = (block_column >= 0) & (block_column < columns)
     if not fits or start[-1] != count or not inside.all():
-        parts = f"{rows} block rows and {columns} block columns"
-        raise ValueError(f"the index of the {count} blocks does not fit {parts}")
+        raise ValueError(f"the index of {count} blocks does not fit {rows} × {columns} blocks")
     row_start, column_start = (np.concatenate([[0], ends[:-1]]) for ends in (row_end, column_end))
     entries = [(np.zeros(0, int), np.zeros(0, int), np.zeros(0))]
     for i in range(rows):
@@ -133,8 +126,9 @@ def _sparse(words, size):
                 column.append(places[1] if split == 2 else at)
                 value.append(float(line[split + 1]))
         except (ValueError, IndexError, TypeError):
-            given = f"line {words.line + 1} is not a line of a sparse matrix"
-            raise ValueError(f"{given}: {' '.join(line)[:60]!r}") from None
+            found = " ".join(line)[:60]
+            raise ValueError(
+                f"line {words.line + 1} is not a line of a sparse matrix: {found!r}") from None
         words.skip_line()
     if None in column:
         raise ValueError("entries of the sparse matrix precede the first line `col`")
