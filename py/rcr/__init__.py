@@ -93,7 +93,7 @@ if "yade" in sys.modules:
     _classes["ContactDynamics"].save = save_problem
     _counterparts.install()
     _session.guard()
-    _session.refuse_unknown_attributes(_classes.values())
+    _session.refuse_unknown_attributes({*_classes.values()})
 
     __all__ += [*sorted(_classes), *_SCENE]
     __all__ = [name for name in __all__ if name not in _names_of_yade()]

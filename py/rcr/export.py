@@ -28,26 +28,11 @@ KINDS = ("box", "facet", "wall", "cell")  # values of the obstacles' column `kin
 
 
 def vtk(path, what=None):
-    """Write grains, contacts and obstacles at one time.
+    """Write grains, contacts and obstacles at one time; return the paths of their files.
 
-    Parameters
-    ----------
-    path : path
-        ``NAME.vtm``, the file to open in ParaView. The three files that it names are beside it.
-    what : None, Frame, Network or path
-        None is the present scene of YADE; see `Frame.of`.
-
-    Returns
-    -------
-    list of pathlib.Path
-        Files of grains, contacts and obstacles. Each write is atomic; the index comes last.
-
-    Raises
-    ------
-    ValueError
-        If the path has another suffix.
-    ImportError
-        If meshio is not installed.
+    `path` is ``NAME.vtm``, the file to open in ParaView; the others are beside it. `what` is that
+    of `Frame.of`, None the present scene of YADE. Each write is atomic; the index comes last. A
+    ValueError reports another suffix, an ImportError that meshio is not installed.
     """
     path = pathlib.Path(path)
     if path.suffix != ".vtm":
@@ -64,17 +49,11 @@ def vtk(path, what=None):
 class VtkSeries:
     """A time series for ParaView: each `save` adds the present scene and updates ``NAME.pvd``.
 
-    The state of the series is in its folder, so a run continues it after ``O.save`` and
-    ``O.load``. A `save` removes later times from the index. A PyRunner needs no variable:
+    The names of the files begin with `name`. The folder, made if missing, has the state of the
+    series, so a run continues it after ``O.save`` and ``O.load``. A `save` removes later times from
+    the index. A PyRunner needs no variable:
 
     ``PyRunner(command="import rcr; rcr.export.VtkSeries('out').save()", iterPeriod=100)``
-
-    Parameters
-    ----------
-    folder : path
-        Made if missing.
-    name : str
-        First part of the names of the files.
     """
 
     def __init__(self, folder, name="scene"):
@@ -86,12 +65,9 @@ class VtkSeries:
         return pathlib.Path(self.folder) / f"{self.name}.pvd"
 
     def moments(self):
-        """Return time [s] and file of each part in the index, a list of (float, str).
+        """Return time [s] and file of each part in the index, [(float, str)].
 
-        Raises
-        ------
-        ValueError
-            If the index is not a .pvd file.
+        A ValueError reports an index that is not a .pvd file.
         """
         if not self.index.exists():
             return []
@@ -99,18 +75,13 @@ class VtkSeries:
             parts = [part.attrib for part in xml.parse(self.index).iter("DataSet")]
             return [(float(part["timestep"]), part["file"]) for part in parts]
         except (xml.ParseError, KeyError, ValueError) as error:
-            raise ValueError(
-                f"{self.index}: not a series of VtkSeries ({error}); "
-                "remove it or choose another name"
-            ) from error
+            given = f"{self.index}: not a series of VtkSeries ({error})"
+            raise ValueError(f"{given}; remove it or choose another name") from error
 
     def save(self, what=None):
         """Add a scene or network, by default YADE's present scene; return the path of the index.
 
-        Raises
-        ------
-        ValueError
-            If its time is unknown.
+        A ValueError reports an unknown time.
         """
         frame = Frame.of(what)
         if not np.isfinite(frame.time):
@@ -123,8 +94,7 @@ class VtkSeries:
         collection = xml.SubElement(root, "Collection")
         for time, file in [*before, *((frame.time, file.name) for file in files)]:
             part = str(PARTS.index(_part(pathlib.Path(file))))
-            row = dict(timestep=repr(time), group="", part=part, file=file)
-            xml.SubElement(collection, "DataSet", **row)
+            xml.SubElement(collection, "DataSet", timestep=repr(time), group="", part=part, file=file)
         _save(root, self.index)
         return self.index
 
@@ -144,8 +114,7 @@ def _write(stem, frame):
     try:
         import meshio
     except ImportError as error:
-        message = "files for ParaView need meshio (Debian: python3-meshio)"
-        raise ImportError(message) from error
+        raise ImportError("files for ParaView need meshio (Debian: python3-meshio)") from error
 
     files = []
     for part, mesh in zip(PARTS, (_grain_mesh, _contact_mesh, _obstacle_mesh)):

@@ -2,74 +2,42 @@
 
 YADE's functions for these quantities support spheres alone; in a scene with Rcrs they print a
 warning that names the function to use. All quantities are in the plane and per unit depth.
+
+The argument `what` is None (the present scene of YADE), a Frame, a Network or the path of one, see
+`Frame.of`. A ValueError reports a scene without grains.
 """
 
 import numpy as np
 
 from rcr._data import checks
-from rcr._pictures import outlines as _outlines
 from rcr._data.files import atomic_path
+from rcr._pictures import outlines
 from rcr.frame import Frame
 
 
 def extent(what=None):
-    """Return the lower left and upper right corner of the box around all grains.
-
-    Parameters
-    ----------
-    what : None, Frame, Network or path
-        None is the present scene of YADE; see `Frame.of`.
-
-    Returns
-    -------
-    (2, 2) float array
-        Corners [m].
-
-    Raises
-    ------
-    ValueError
-        If there is no grain.
-    """
-    return _outlines.bounds(_frame(what).grains)
+    """Return the lower left and upper right corner of the box around all grains, (2, 2) [m]."""
+    return outlines.bounds(_frame(what).grains)
 
 
 def areas(what=None):
-    """Return the area of each grain.
+    """Return the ids and the areas of the grains, (N,) each [m²].
 
     Members of a clump share the area of their union in proportion to their own areas.
-
-    Returns
-    -------
-    ids : (N,) int array
-    areas : (N,) float array
-        Areas [m²].
     """
     frame = _frame(what)
     return frame.grains["id"], frame.areas()
 
 
 def porosity(volume=None, what=None):
-    """Return the fraction of voids, 1 − Σ areas/volume.
+    """Return the fraction of voids, 1 − Σ areas/volume [-].
 
-    Overlaps count twice, except within a clump.
-
-    Parameters
-    ----------
-    volume : float, optional
-        Area of the region [m²]; by default that of the periodic cell, or of the box around all
-        grains.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    ValueError
-        If the volume is not > 0 or smaller than the grains, or there is no grain.
+    `volume` is the area of the region [m²], by default that of the periodic cell or of the box
+    around all grains. Overlaps count twice, except within a clump. A volume that is not > 0 or
+    smaller than the grains raises a ValueError.
     """
     frame = _frame(what)
-    filled = areas(frame)[1].sum()
+    filled = frame.areas().sum()
     if volume is not None:
         expected = "the area of the region > 0 [m²]"
         volume = checks.number("volume", volume, expected, lambda v: v > 0)
@@ -84,27 +52,18 @@ def porosity(volume=None, what=None):
 
 
 def stress_tensors(what=None):
-    """Return the mean stress in each grain; see `Frame.stress_tensors`.
+    """Return the ids (N,) and the mean stresses (N, 2, 2) of the grains, compression positive [Pa].
 
-    Returns
-    -------
-    ids : (N,) int array
-    stresses : (N, 2, 2) float array
-        Compression positive [Pa].
+    See `Frame.stress_tensors`.
     """
     frame = _frame(what)
     return frame.grains["id"], frame.stress_tensors()
 
 
 def write_table(path, what=None):
-    """Write the grains as a text table, one row per grain; the first line names the columns.
+    """Write a text table, one row per grain, and return the number of grains.
 
-    The write is atomic.
-
-    Returns
-    -------
-    int
-        Number of grains.
+    The first line names the columns. The write is atomic.
     """
     grains = _frame(what).grains
     x, y = grains["position"].T

@@ -21,7 +21,6 @@ import numbers
 import numpy as np
 
 from rcr._data import checks, files, network_columns
-from rcr._pictures import grain_sums
 from rcr._data.network_columns import (  # noqa: F401: part of this module's interface
     BOTTOM, CAP_CAP, CAP_SIDE, LEFT, OTHER, RIGHT, SIDE_SIDE, TOP, WALL,
 )  # fmt: skip
@@ -270,33 +269,24 @@ class Network:
         tangential = np.abs(force[:, 1])
         return np.divide(tangential, limit, out=np.zeros_like(limit), where=friction > 0)
 
-    def lever_arms(self):
-        """Return ``arm1`` and ``arm2``, from the centres of body 1 and 2 to the contact.
-
-        Returns
-        -------
-        dict of (C, 2) float arrays
-            0 for an obstacle [m].
-        """
-        at = grain_sums.rows(self.particles["id"], self.contacts["body1"])
-        arm1 = self.contacts["position"] - self.particles["center"][at]
-        inner = self.between_particles[:, None]
-        return dict(arm1=arm1, arm2=np.where(inner, arm1 - self.contacts["branch"], 0.0))
-
     def grain_stresses(self):
         """Return the mean stress in each grain, (N, 2, 2), compression positive [Pa].
 
         See `rcr.frame.Frame.stress_tensors`.
         """
-        return grain_sums.stress_tensors(self.particles, self.contacts | self.lever_arms())
+        return self._frame().stress_tensors()
 
     def grain_coordination(self):
         """Return the number of contacts of each grain, (N,) int.
 
         Obstacles are included. Members of a clump have the number of the clump.
         """
-        ones = np.ones(len(self.contacts["body1"]))
-        return grain_sums.contact_sums(self.particles, self.contacts, ones).astype(int)
+        return self._frame().per_grain(np.ones(len(self.contacts["body1"]))).astype(int)
+
+    def _frame(self):
+        from rcr.frame import Frame
+
+        return Frame.of_network(self)
 
     def coordination(self, count_side_contacts_twice=False):
         """Return the mean number of contacts per grain or clump without rattlers [-].

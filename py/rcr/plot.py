@@ -20,7 +20,7 @@ from rcr._data import checks
 from rcr._pictures import drawing
 from rcr._pictures.drawing import STYLE, TYPES
 from rcr._data.files import atomic_path
-from rcr._pictures.grain_colors import CATEGORIES, KIND_COLORS, SCALES, GrainColors  # noqa: F401
+from rcr._pictures.grain_colors import CATEGORIES, KIND_COLORS, SCALES, grain_colors  # noqa: F401
 from rcr.frame import KINDS, Frame
 
 FOOT = 0.45  # height of the legend below a picture [in]
@@ -34,10 +34,11 @@ def packing(
     what=None, ax=None, color="orientation", contacts=None, range=None, cmap=None, limits=None,
     legend=None,
 ):  # fmt: skip
-    """Draw grains and obstacles, and optionally contacts.
+    """Draw grains and obstacles, and optionally contacts; return the Axes.
 
     Grains with prescribed motion are grey. In a periodic cell, grains are drawn inside the cell;
-    pale images show where they cross its edge.
+    pale images show where they cross its edge. A ValueError reports a scene with nothing to draw,
+    or an unknown name.
 
     Parameters
     ----------
@@ -61,37 +62,28 @@ def packing(
         Lower left and upper right corner [m]; by default `Frame.extent`.
     legend : bool, optional
         Add a colour bar and a legend below the picture; by default True for a new Figure.
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        If the scene holds nothing to draw, or a name is unknown.
     """
     frame = Frame.of(what)
     _check(frame, contacts)
     limits = frame.extent() if limits is None else checks.rectangle("limits", limits)
     legend = ax is None if legend is None else legend
-    colors = GrainColors.of(frame, color, range, cmap)
+    faces, key = grain_colors(frame, color, range, cmap)
     with matplotlib.rc_context(STYLE):
-        keys = legend and (colors.has_key or contacts in ("type", "mobilization"))
+        keys = legend and (key or contacts in ("type", "mobilization"))
         ax = drawing.page(limits, FOOT if keys else 0) if ax is None else drawing.canvas(limits, ax)
         radius = frame.mean_radius() if len(frame.grains["id"]) else 0.01 * np.ptp(limits)
         unit = drawing.line_unit(ax, radius)
         drawing.add_obstacles(ax, frame, unit)
-        _add_grains(ax, frame, colors, unit)
+        _add_grains(ax, frame, faces, unit)
         if contacts is not None:
             _add_contacts(ax, frame, contacts, unit)
         if keys:
-            _add_keys(ax, frame, colors, contacts)
+            _add_keys(ax.figure, frame, key, contacts)
     return ax
 
 
 def snapshot(path, what=None, dpi=200, **options):
-    """Save a picture of the present scene, without a window.
+    """Save a picture of the present scene, without a window; return its path.
 
     A PyRunner with this command makes the pictures of an `rcr.movie`:
     ``rcr.snapshot(f'out/{O.iter:08d}.png', limits=((0, 0), (1, 1)))``.
@@ -99,26 +91,17 @@ def snapshot(path, what=None, dpi=200, **options):
     Parameters
     ----------
     path : path
-        ``.png``, ``.pdf``, ``.svg`` or another format of Matplotlib. The write is atomic.
+        ``.png``, ``.pdf``, ``.svg`` or another format of Matplotlib, else a ValueError. The write
+        is atomic.
     what, **options
         Arguments of `packing`.
     dpi : float
         Pixels per inch; a picture is up to 7 inches wide.
-
-    Returns
-    -------
-    path
-
-    Raises
-    ------
-    ValueError
-        If the format is unknown, and the errors of `packing`.
     """
     suffix = os.path.splitext(path)[1].lstrip(".").lower()
     figure = packing(what, **options).figure
     if suffix not in figure.canvas.get_supported_filetypes():
-        expected = "a name that ends in .png, .pdf or .svg"
-        raise ValueError(f"{path}: not a picture format; expected {expected}")
+        raise ValueError(f"{path}: not a picture format; expected .png, .pdf or .svg")
     with matplotlib.rc_context(STYLE), atomic_path(path) as partial:
         figure.savefig(partial, dpi=dpi)
     return path
@@ -131,10 +114,10 @@ def _check(frame, contacts):
         raise checks.error("contacts", contacts, f"None, {' or '.join(map(repr, CONTACTS))}")
 
 
-def _add_grains(ax, frame, colors, unit):
+def _add_grains(ax, frame, faces, unit):
     """Add the grains, and pale images across the edges of a periodic cell."""
     grains, fixed = frame.grains, frame.grains["fixed"]
-    faces = np.where(fixed[:, None], to_rgba(drawing.OBSTACLE), colors.faces)
+    faces = np.where(fixed[:, None], to_rgba(drawing.OBSTACLE), faces)
     at = grains["position"] + frame.wrap(grains["position"])
     drawing.add_grains(ax, grains | dict(position=at), unit, "0.25", facecolors=faces)
     index, shift = _images(frame, at)
@@ -179,16 +162,15 @@ def _add_contacts(ax, frame, by, unit):
     drawing.add_segments(ax, lines, drawing.force_widths(force, unit), colors=tints, zorder=3)
 
 
-def _add_keys(ax, frame, colors, contacts):
+def _add_keys(figure, frame, key, contacts):
     """Add the key of the grains at the lower right, and that of the contacts at the lower left."""
-    figure = ax.figure
-    if colors.mappable is not None:
-        _add_bar(figure, 0.57, colors.mappable, colors.scale.label, colors.scale.ticks)
-    elif colors.kinds:
-        edge = dict(ec="0.3", lw=0.5)
-        kinds = np.unique(frame.kinds())
-        patches = [Patch(fc=KIND_COLORS[k], label=KINDS[k], **edge) for k in kinds]
+    if key == "kinds":
+        patches = [Patch(fc=KIND_COLORS[k], label=KINDS[k], ec="0.3", lw=0.5)
+                   for k in np.unique(frame.kinds())]
         _add_legend(figure, 0.55, patches)
+    elif key:
+        mappable, scale = key
+        _add_bar(figure, 0.57, mappable, scale.label, scale.ticks)
     if contacts == "type":
         tints = TYPES | {"obstacle": OBSTACLE_CONTACT}
         lines = [Line2D([], [], color=tint, lw=2, label=name) for name, tint in tints.items()]
@@ -215,5 +197,4 @@ def _add_bar(figure, left, mappable, label, ticks=None):
 
 def _add_legend(figure, left, handles):
     anchor = (left, 0.21 / figure.get_figheight())
-    style = dict(ncol=2, fontsize=8)
-    figure.legend(handles=handles, loc="center left", bbox_to_anchor=anchor, **style)
+    figure.legend(handles=handles, loc="center left", bbox_to_anchor=anchor, ncol=2, fontsize=8)

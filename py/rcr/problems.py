@@ -55,20 +55,23 @@ class Solution:
 
     def save(self, path):
         """Save reaction and velocity as ``.npz`` or ``.h5``; the write is atomic."""
+
+        def fill(file):
+            file["reaction"], file["velocity"] = self.reaction, self.velocity
+            file.attrs.update(self.scalars())
+
         if result_suffix(path) == ".npz":
             image = npz(np.savez, reaction=self.reaction, velocity=self.velocity)
         else:
-
-            def fill(file):
-                file["reaction"], file["velocity"] = self.reaction, self.velocity
-                file.attrs.update(self.scalars())
-
             image = files.hdf5(fill)
         files.write(path, image)
 
 
 def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=False):
-    """Solve a one-step contact problem.
+    """Solve a one-step contact problem; return a `Solution`.
+
+    A ValueError reports a malformed problem, an unknown solver, a setting outside its range, or a
+    result that is not finite, an ImportError kernels that are not compiled.
 
     Parameters
     ----------
@@ -83,26 +86,14 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
         Largest number of sweeps, or of pivots of the exact solver with bodies.
     warm : bool
         Start from the problem's impulses instead of zeros.
-
-    Returns
-    -------
-    Solution
-
-    Raises
-    ------
-    ValueError
-        If the problem is malformed, the solver unknown, a setting outside its range, or the result
-        not finite.
-    ImportError
-        If the kernels are not compiled.
     """
     try:
         from rcr import _kernel
     except ImportError as error:
-        here = f"rcr in {os.path.dirname(__file__)} has no kernels, only the analysis"
-        todo = "pip install . --config-settings=cmake.define.RCR_PLUGIN=OFF"
-        message = f"{here}: the solver has to be compiled; from the sources: {todo}"
-        raise ImportError(message) from error
+        raise ImportError(
+            f"rcr in {os.path.dirname(__file__)} has no kernels, only the analysis: the solver has "
+            "to be compiled; from the sources: pip install . "
+            "--config-settings=cmake.define.RCR_PLUGIN=OFF") from error
     if not isinstance(solver, str):
         checks.choice("solver", solver, _kernel.solver_names())
     tolerance = checks.number("tolerance", tolerance, "a residual ≥ 0", lambda v: v >= 0)
@@ -130,6 +121,6 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     names = ("iterations", "residual", "converged", "seconds", "impulse", "relative_velocity")
     results = [found[name] for name in names]
     if not all(np.isfinite(result).all() for result in results):
-        cause = "masses, velocities or entries of W differ too much in size"
-        raise ValueError(f"the result of solver {solver!r} is not finite; {cause}")
+        raise ValueError(f"the result of solver {solver!r} is not finite: masses, velocities or "
+                         "entries of W differ too much in size")
     return Solution(solver, problem.contacts, *results)

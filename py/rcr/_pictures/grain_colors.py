@@ -42,50 +42,37 @@ CATEGORIES = dict(type="Rcr, disc, member of a clump, prescribed motion",
                   shape="the colours of YADE's view, `particle(…, color=…)`")
 
 
-@dataclass
-class GrainColors:
-    """Faces (N, 4) of the grains, and what the key of the picture shows."""
+def grain_colors(frame, color, range, cmap):
+    """Return faces (N, 4) of a Frame's grains, and their key: (mappable, scale), "kinds" or None.
 
-    faces: np.ndarray
-    mappable: ScalarMappable = None
-    scale: Scale = None
-    kinds: bool = False
+    The other arguments are those of `rcr.plot.packing`.
+    """
+    count, name = len(frame.grains["id"]), color if isinstance(color, str) else None
+    if name == "shape":
+        return to_rgba_array(frame.grains["color"]), None
+    if name == "type":
+        return to_rgba_array(KIND_COLORS)[frame.kinds()], "kinds"
+    if name in SCALES:
+        return _of_scale(frame, SCALES[name], range, cmap)
+    if not isinstance(color, (str, tuple)) and np.shape(color) == (count,):
+        scale = Scale("", lambda frame: np.asarray(color, float))
+        return _of_scale(frame, scale, range, cmap)
+    if is_color_like(color):
+        return np.tile(to_rgba(color), (count, 1)), None
+    given = repr(name) if name else f"an array of the shape {np.shape(color)}"
+    names = ", ".join([*SCALES, *CATEGORIES])
+    numbers = f"a number for each of the {count} grains"
+    raise ValueError(f"color = {given}; expected {names}, a colour of Matplotlib, or {numbers}")
 
-    @property
-    def has_key(self):
-        """True if the picture needs a colour bar or a legend of the grains."""
-        return self.kinds or self.mappable is not None
 
-    @classmethod
-    def of(cls, frame, color, range, cmap):
-        """Return the colours of a Frame for the arguments of `rcr.plot.packing`."""
-        if isinstance(color, str) and color in CATEGORIES:
-            tints = frame.grains["color"]
-            if color == "type":
-                tints = to_rgba_array(KIND_COLORS)[frame.kinds()]
-            return cls(to_rgba_array(tints), kinds=color == "type")
-        count = len(frame.grains["id"])
-        if isinstance(color, str) and color in SCALES:
-            return cls._of_scale(frame, SCALES[color], range, cmap)
-        if not isinstance(color, (str, tuple)) and np.shape(color) == (count,):
-            scale = Scale("", lambda frame: np.asarray(color, float))
-            return cls._of_scale(frame, scale, range, cmap)
-        if is_color_like(color):
-            return cls(np.tile(to_rgba(color), (count, 1)))
-        given = repr(color) if isinstance(color, str) else f"an array of the shape {np.shape(color)}"
-        names = ", ".join([*SCALES, *CATEGORIES])
-        numbers = f"a number for each of the {count} grains"
-        raise ValueError(f"color = {given}; expected {names}, a colour of Matplotlib, or {numbers}")
-
-    @classmethod
-    def _of_scale(cls, frame, scale, range, cmap):
-        values = np.ma.masked_invalid(scale.values(frame))
-        shown = values[~frame.grains["fixed"]].compressed()
-        if not len(shown):
-            return cls(np.tile(to_rgba(GRAIN), (len(values), 1)), scale=scale)
-        given = scale.range if range is None else range
-        low, high = (shown.min(), shown.max()) if given is None else given
-        map_ = cmap or scale.cmap
-        map_ = matplotlib.colormaps[map_] if isinstance(map_, str) else map_
-        mappable = ScalarMappable(Normalize(low, high), map_.with_extremes(bad=GRAIN))
-        return cls(mappable.to_rgba(values), mappable, scale)
+def _of_scale(frame, scale, range, cmap):
+    values = np.ma.masked_invalid(scale.values(frame))
+    shown = values[~frame.grains["fixed"]].compressed()
+    if not len(shown):
+        return np.tile(to_rgba(GRAIN), (len(values), 1)), None
+    given = scale.range if range is None else range
+    low, high = (shown.min(), shown.max()) if given is None else given
+    map_ = cmap or scale.cmap
+    map_ = matplotlib.colormaps[map_] if isinstance(map_, str) else map_
+    mappable = ScalarMappable(Normalize(low, high), map_.with_extremes(bad=GRAIN))
+    return mappable.to_rgba(values), (mappable, scale)

@@ -12,51 +12,46 @@ from rcr.plot import packing
 
 
 def movie(folder, path=None, fps=10, dpi=100, **options):
-    """Make a film from the files in a folder.
+    """Make a film from the files in a folder; return its path.
 
     Parameters
     ----------
     folder : path
         Holds networks (``*.h5``), which are drawn in order of time with one scale of colours, or
-        pictures of `rcr.snapshot` (``*.png``), in order of name.
+        pictures of `rcr.snapshot` (``*.png``), in order of name. A ValueError reports neither.
     path : path, optional
-        ``.gif``, or ``.mp4`` and other formats if ffmpeg is installed; by default ``movie.gif`` in
-        the folder.
+        ``.gif``, or ``.mp4`` and other formats if ffmpeg is installed, else a ValueError; by default
+        ``movie.gif`` in the folder.
     fps : float
         Pictures per second.
     dpi : float
         Pixels per inch; pictures of networks are up to 7 inches wide.
     **options
         Options of `rcr.plot.packing`, for networks.
-
-    Returns
-    -------
-    pathlib.Path
-        The film.
-
-    Raises
-    ------
-    ValueError
-        If the folder holds neither networks nor pictures, or the format needs ffmpeg.
     """
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+    from tqdm import tqdm
+
     folder = pathlib.Path(folder)
     path = folder / "movie.gif" if path is None else pathlib.Path(path)
-    writer = _writer(path, fps)
-    networks = list(folder.glob("*.h5"))
-    pictures = sorted(folder.glob("*.png"), key=_natural_order)
-    if networks:
-        figure, shots = _film_networks(networks, options)
-    elif pictures:
-        figure, shots = _film_pictures(pictures, dpi)
+    kind = PillowWriter if path.suffix == ".gif" else FFMpegWriter
+    if not kind.isAvailable():
+        needed = "this format needs ffmpeg, which is not installed"
+        raise ValueError(f"{path}: {needed}; give a name that ends in .gif")
+    found = {suffix: sorted(folder.glob(f"*{suffix}"), key=_natural_order)
+             for suffix in (".h5", ".png")}
+    if found[".h5"]:
+        figure, draw, shots = _networks(found[".h5"], options)
+    elif found[".png"]:
+        figure, draw, shots = _pictures(found[".png"], dpi)
     else:
         expected = "*.h5 (Network.save) or *.png (rcr.snapshot)"
         raise ValueError(f"{folder} holds no snapshots; expected {expected}")
-    from tqdm import tqdm
-
+    writer = kind(fps=fps)
     with atomic_path(path) as partial:
         writer.setup(figure, partial, dpi)
         for shot in tqdm(shots, desc=path.name, unit="picture", delay=5, disable=None):
-            shot()
+            draw(shot)
             writer.grab_frame()
         writer.finish()
     return path
@@ -68,20 +63,9 @@ def _natural_order(path):
     return [int(part) if part.isdigit() else part for part in parts]
 
 
-def _writer(path, fps):
-    from matplotlib.animation import FFMpegWriter, PillowWriter
-
-    if path.suffix == ".gif":
-        return PillowWriter(fps=fps)
-    if not FFMpegWriter.isAvailable():
-        needed = "this format needs ffmpeg, which is not installed"
-        raise ValueError(f"{path}: {needed}; give a name that ends in .gif")
-    return FFMpegWriter(fps=fps)
-
-
-def _film_networks(paths, options):
-    """Return a figure, and one drawing function per network, with common limits and colours."""
-    frames = [Frame.of(path) for path in sorted(paths, key=_natural_order)]
+def _networks(paths, options):
+    """Return a figure, a function that draws a Frame into it, and the Frames in order of time."""
+    frames = [Frame.of(path) for path in paths]
     frames.sort(key=lambda frame: np.nan_to_num(frame.time))
     limits = options.pop("limits", None)
     if limits is None:
@@ -99,11 +83,11 @@ def _film_networks(paths, options):
         ax.clear()
         packing(frame, ax=ax, limits=limits, **options | dict(legend=False))
 
-    return figure, [lambda frame=frame: draw(frame) for frame in frames]
+    return figure, draw, frames
 
 
-def _film_pictures(paths, dpi):
-    """Return a figure of the size of the first picture, and one drawing function per picture."""
+def _pictures(paths, dpi):
+    """Return a figure of the size of the first picture, and a function that draws a picture."""
     from matplotlib.figure import Figure
     from matplotlib.image import imread
 
@@ -116,4 +100,4 @@ def _film_pictures(paths, dpi):
         ax.axis("off")
         ax.imshow(imread(path), aspect="auto", interpolation="none")
 
-    return figure, [lambda path=path: draw(path) for path in paths]
+    return figure, draw, paths

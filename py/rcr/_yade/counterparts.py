@@ -36,38 +36,34 @@ def install():
     script = vars(sys.modules["__main__"])
     for counterpart, names in COUNTERPARTS.items():
         for name in names:
-            holders = [holder for holder in (utils, export) if hasattr(holder, name)]
-            holder = (holders or [yade.wrapper])[0]
+            holder = next((h for h in (utils, export) if hasattr(h, name)), yade.wrapper)
             original = getattr(holder, name, None)
             if original is None:
                 continue  # this version of YADE lacks it
             if isinstance(original, type):
                 original.__init__ = _warning(original.__init__, name, counterpart)
                 continue
-            setattr(holder, name, _warning(original, name, counterpart))
+            warning = _warning(original, name, counterpart)
+            setattr(holder, name, warning)
             if script.get(name) is original:
-                script[name] = getattr(holder, name)
+                script[name] = warning
 
 
 def _warning(original, name, counterpart):
     """Return a function that warns in scenes with Rcrs and calls `original`."""
     if hasattr(original, "__wrapped__"):  # an earlier import has added the warning
         return original
-    fault_of = _fault_of_stress if name == "getStress" else _fault_of_sizes
+    fault = "is written for spheres and wrong for the Rcrs of this scene"
+    fault_of = _fault_of_stress if name == "getStress" else lambda *_, **__: fault
 
     @functools.wraps(original)
     def wrapped(*arguments, **options):
         if any(isinstance(body.shape, Rcr) for body in Omega().bodies):
-            fault = fault_of(*arguments, **options)
-            if fault:
-                warnings.warn(f"rcr: {name} {fault}; use {counterpart}", stacklevel=2)
+            if found := fault_of(*arguments, **options):
+                warnings.warn(f"rcr: {name} {found}; use {counterpart}", stacklevel=2)
         return original(*arguments, **options)
 
     return wrapped
-
-
-def _fault_of_sizes(*_, **__):
-    return "is written for spheres and wrong for the Rcrs of this scene"
 
 
 def _fault_of_stress(volume=0):

@@ -8,8 +8,8 @@ from yade.wrapper import (
     Sphere, Wall,
 )  # fmt: skip
 
-from rcr._pictures import grain_sums
 from rcr._pictures.outlines import areas
+from rcr.frame import rows as rows_of
 from rcr.network import CAP_CAP
 
 _GRAINS = dict(
@@ -146,7 +146,7 @@ def _contacts(O, ids, centers, cell):
                 rows.append((*row, tuple(shift)))
     columns = _columns(_CONTACTS, rows)
     shift = columns.pop("shift")
-    at1, at2 = (grain_sums.rows(ids, columns[body]) for body in ("body1", "body2"))
+    at1, at2 = (rows_of(ids, columns[body]) for body in ("body1", "body2"))
     centers = np.append(centers, [[math.nan] * 2], axis=0)  # the last row is for obstacles
     columns["arm1"] = np.nan_to_num(columns["position"] - centers[at1])
     columns["arm2"] = np.nan_to_num(columns["position"] - centers[at2] - shift)

@@ -21,15 +21,14 @@ _advised = None  # number of bodies and time step at the last advice
 
 def guard():
     """Add the checks to O.run, O.step, O.pause, O.wait and O.bodies.erase of this session."""
+    if hasattr(Omega.run, "__wrapped__"):  # an earlier import has added them
+        return
     container = type(Omega().bodies)
-    if not hasattr(container.erase, "__wrapped__"):
-        container.erase = _checked_erase(container.erase)
-    if not hasattr(Omega.run, "__wrapped__"):
-        Omega.run = _guarded(_responsive(Omega.run))
-        Omega.step = _guarded(Omega.step)
-        Omega.pause = _after_step(Omega.pause)
-    if not hasattr(Omega.wait, "__wrapped__"):
-        Omega.wait = _raising(_after_step(Omega.wait))
+    container.erase = _checked_erase(container.erase)
+    Omega.run = _guarded(_responsive(Omega.run))
+    Omega.step = _guarded(Omega.step)
+    Omega.pause = _after_step(Omega.pause)
+    Omega.wait = _raising(_after_step(Omega.wait))
 
 
 def _guarded(method):
@@ -37,8 +36,7 @@ def _guarded(method):
 
     @functools.wraps(method)
     def run(omega, *arguments, **keywords):
-        error = _plugin.prepare_run()
-        if error:
+        if error := _plugin.prepare_run():
             raise ValueError("rcr: " + error)
         _advise(omega)
         _plugin.take_error()
@@ -65,12 +63,9 @@ def _advise(omega):
 def _time_step_advice(omega):
     """Return a list of warnings about O.dt."""
     if omega.iter == 0 and omega.dt == DEFAULT_TIME_STEP:
-        return [
-            "O.dt = 1e-8 s is YADE's default; set it by the accuracy you want (rigid contacts) "
-            "or to 0.5 * rcr.critical_time_step() (springs)."
-        ]
-    steppers = [engine for engine in omega.engines if isinstance(engine, TimeStepper)]
-    if any(engine.active and not engine.dead for engine in steppers):
+        return ["O.dt = 1e-8 s is YADE's default; set it by the accuracy you want (rigid contacts) "
+                "or to 0.5 * rcr.critical_time_step() (springs)."]
+    if any(isinstance(e, TimeStepper) and e.active and not e.dead for e in omega.engines):
         return []
     try:
         most = critical_time_step()
@@ -78,10 +73,8 @@ def _time_step_advice(omega):
         return []
     if omega.dt <= most:
         return []
-    return [
-        f"O.dt = {omega.dt:.3g} s is beyond {most:.3g} s, where springs of this stiffness become "
-        "unstable; set O.dt = 0.5 * rcr.critical_time_step()."
-    ]
+    return [f"O.dt = {omega.dt:.3g} s is beyond {most:.3g} s, where springs of this stiffness "
+            "become unstable; set O.dt = 0.5 * rcr.critical_time_step()."]
 
 
 def _responsive(run):
@@ -122,8 +115,7 @@ def _after_step(method):
     @functools.wraps(method)
     def wrapped(omega):
         method(omega)
-        in_engine = isinstance(threading.current_thread(), threading._DummyThread)
-        if not in_engine:
+        if not isinstance(threading.current_thread(), threading._DummyThread):
             _plugin.await_end()
 
     return wrapped
@@ -142,8 +134,7 @@ def _raising(method):
         except Exception:
             _plugin.take_error()
             raise
-        error = "" if omega.running else _plugin.take_error()
-        if error:
+        if not omega.running and (error := _plugin.take_error()):
             raise RuntimeError(error)
         return result
 
@@ -159,15 +150,11 @@ def _checked_erase(erase):
 
     @functools.wraps(erase)
     def wrapped(bodies, id, *arguments, **keywords):
-        omega = Omega()
-        if omega.periodic and _plugin.uses_rcr():
-            colliders = (e for e in omega.engines if isinstance(e, InsertionSortCollider))
-            if any(collider.numReinit > 0 for collider in colliders):
-                raise ValueError(
-                    f"rcr: body #{id} cannot be erased from a periodic cell whose collider has "
-                    "run, because the collider may then hang; put a new InsertionSortCollider into "
-                    "O.engines first"
-                )
+        has_run = lambda e: isinstance(e, InsertionSortCollider) and e.numReinit > 0
+        if Omega().periodic and _plugin.uses_rcr() and any(map(has_run, Omega().engines)):
+            raise ValueError(
+                f"rcr: body #{id} cannot be erased from a periodic cell whose collider has run, "
+                "because it may then hang; put a new InsertionSortCollider into O.engines first")
         return erase(bodies, id, *arguments, **keywords)
 
     return wrapped
@@ -178,7 +165,6 @@ def refuse_unknown_attributes(classes):
 
     YADE accepts it: a misspelt setting would have no effect.
     """
-    classes = set(classes)
 
     def set_attribute(self, name, value):
         kind = type(self)

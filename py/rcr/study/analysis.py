@@ -18,7 +18,7 @@ import json
 
 import numpy as np
 
-from rcr._pictures.grain_sums import areas
+from rcr.frame import Frame
 from rcr.network import sin_phi
 from rcr.study import statistics
 from rcr.study.ensemble import Ensemble
@@ -97,12 +97,11 @@ def isotropic(network, grids):
     """
     n = network.contacts["normal"][network.between_particles]
     angle = np.arctan2(n[:, 1], n[:, 0])
-    p = network.particles
-    order = np.mean(np.exp(2j * p["angle"]))
+    order = np.mean(np.exp(2j * network.particles["angle"]))
     return dict(pdf=statistics.density(angle % np.pi, grids.theta),
                 a_c=2 * np.mean(np.exp(2j * angle)), contacts=len(n),
                 order=order if network.attributes.get("eta", 1) else np.nan,
-                packing_fraction=areas(p).sum() / network.attributes["volume"],
+                packing_fraction=Frame.of(network).areas().sum() / network.attributes["volume"],
                 coordination_number=network.coordination(),
                 coordination_number_twice=network.coordination(count_side_contacts_twice=True))
 
