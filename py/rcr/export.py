@@ -94,7 +94,8 @@ class VtkSeries:
         collection = xml.SubElement(root, "Collection")
         for time, file in [*before, *((frame.time, file.name) for file in files)]:
             part = str(PARTS.index(_part(pathlib.Path(file))))
-            xml.SubElement(collection, "DataSet", timestep=repr(time), group="", part=part, file=file)
+            row = dict(timestep=repr(time), group="", part=part, file=file)
+            xml.SubElement(collection, "DataSet", row)
         _save(root, self.index)
         return self.index
 

@@ -100,6 +100,7 @@ class Frame:
 
     @classmethod
     def of_scene(cls):
+        """Return the Frame of YADE's present scene."""
         try:
             from rcr._yade import scene_arrays
         except ImportError as error:
@@ -187,11 +188,7 @@ class Frame:
 
     def per_grain(self, values):
         """Return the sum of contact values (C,) over the contacts of each grain, (N,)."""
-        total = np.zeros(len(self.grains["id"]))
-        for body in ("body1", "body2"):
-            at = self.rows(self.contacts[body])
-            np.add.at(total, at[at >= 0], values[at >= 0])
-        return self._clump_sums(total)
+        return self._sums(values, values)
 
     def check_unchanged(self):
         """Raise ValueError if a script has changed O.dt or a velocity since the last step.
@@ -204,39 +201,32 @@ class Frame:
                 "networks, profiles and stresses before you change it, or after a further step")
 
     def stress_tensors(self):
-        """Return the mean stress in each grain from the moments of its contact forces.
+        """Return the mean stress in each grain, (N, 2, 2), compression positive [Pa].
 
         σ = (1/A) Σ f ⊗ r over its contacts [Love, Weber], with the force f that the grain exerts
         and the arm r from its centre. Weight and inertia do not enter. Multiplied by `areas` and
         divided by the volume, the sum over all grains is `Network.stress`.
-
-        Returns
-        -------
-        (N, 2, 2) float array
-            Compression positive [Pa].
-
-        Raises
-        ------
-        ValueError
-            See `check_unchanged`.
         """
         self.check_unchanged()
-        sums = np.zeros((len(self.grains["id"]), 2, 2))
-        for body, arm, sign in (("body1", "arm1", 1), ("body2", "arm2", -1)):
+        moments = [np.einsum("ca,cb->cab", self.contacts["force"], self.contacts[arm])
+                   for arm in ("arm1", "arm2")]
+        areas = self._clump_sums(self.areas())
+        return self._sums(moments[0], -moments[1]) / areas[:, None, None]
+
+    def _sums(self, of_body1, of_body2):
+        """Return the sums of values (C, …) of contacts over the contacts of each grain, (N, …)."""
+        sums = np.zeros((len(self.grains["id"]), *of_body1.shape[1:]))
+        for body, values in (("body1", of_body1), ("body2", of_body2)):
             at = self.rows(self.contacts[body])
-            moments = sign * np.einsum("ca,cb->cab", self.contacts["force"], self.contacts[arm])
-            np.add.at(sums, at[at >= 0], moments[at >= 0])
-        return self._clump_sums(sums) / self._clump_sums(self.areas())[:, None, None]
+            np.add.at(sums, at[at >= 0], values[at >= 0])
+        return self._clump_sums(sums)
 
     def _clump_sums(self, values):
-        """Replace the values (N, …) of a clump's members by their sum."""
+        """Replace the values (N, …) of a clump's members by their sum; return all values."""
         member = self.grains["clump"] >= 0
-        if not member.any():
-            return values
-        _, group = np.unique(self.grains["clump"][member], return_inverse=True)
-        sums = np.zeros((group.max() + 1, *values.shape[1:]))
+        clumps, group = np.unique(self.grains["clump"][member], return_inverse=True)
+        sums = np.zeros((len(clumps), *values.shape[1:]))
         np.add.at(sums, group, values[member])
-        values = values.copy()
         values[member] = sums[group]
         return values
 

@@ -93,26 +93,20 @@ class Network:
     def load(cls, path):
         """Return the network of a file ``network-*.h5``.
 
-        Raises
-        ------
-        ValueError
-            If the file is not a network or is damaged.
-        OSError
-            If the file cannot be read.
+        A ValueError reports a damaged file or one of another kind, an OSError an unreadable one.
         """
         import h5py
 
         with files.reading(path, "an HDF5 file"):
             files.check_seal(path)
             with h5py.File(path, "r") as file:
-                if not {"particles", "contacts"} <= set(file):
-                    expected = "the groups particles and contacts"
-                    raise ValueError(f"it holds {sorted(file)}; expected {expected}")
-                particles = network_columns.read(file, "particles", path)
-                contacts = network_columns.read(file, "contacts", path)
+                groups = ("particles", "contacts")
+                if not set(groups) <= set(file):
+                    raise ValueError(f"it holds {sorted(file)}; expected the groups {groups}")
+                columns = [network_columns.read(file, group, path) for group in groups]
                 attributes = {name: value.item() if isinstance(value, np.generic) else value
                               for name, value in file.attrs.items() if name != "stress"}
-            return cls(particles, contacts, attributes)
+            return cls(*columns, attributes)
 
     def save(self, path):
         """Save the network to an HDF5 file with a check sum; the write is atomic."""
@@ -133,17 +127,9 @@ class Network:
         return self.contacts["body2"] >= 0
 
     def stress(self):
-        """Return the stress tensor σ = (1/V) Σ f⊗ℓ over all contacts [eq. sigma].
+        """Return the stress σ = (1/V) Σ f⊗ℓ over all contacts [eq. sigma].
 
-        Returns
-        -------
-        (2, 2) float array
-            Compression positive [Pa].
-
-        Raises
-        ------
-        ValueError
-            If the network has no volume.
+        It is (2, 2), compression positive [Pa]. A ValueError reports a network without a volume.
         """
         if "volume" not in self.attributes:
             todo = "give the area of the region [m²]: rcr.contact_network(volume=…)"
@@ -195,10 +181,7 @@ class Network:
     def fabric(self, xi=np.inf):
         """Return the fabric tensor F(ξ) = (1/N) Σ_{S(ξ)} n⊗n, N of the whole network [eq. F_xi].
 
-        Returns
-        -------
-        (2, 2) float array
-            Symmetric, tr F(∞) = 1 [-].
+        It is (2, 2) and symmetric, tr F(∞) = 1 [-]; ξ is one cutoff.
         """
         if np.ndim(xi):
             raise checks.error("xi", xi, "one cutoff")
@@ -207,20 +190,11 @@ class Network:
         return np.einsum("ca,cb->ab", n[pick], n[pick]) / len(n)
 
     def anisotropies(self, xi=np.inf):
-        """Return the anisotropies of contacts, branch vectors and forces of the ξ-network.
+        """Return the anisotropies (a_c, a_ln, a_lt, a_fn, a_ft) of the ξ-network [-].
 
+        They have the shape of the cutoffs ξ = f_n/⟨f_n⟩ [-] and are positive along σ₁. With t = n
+        turned by +90°, an average ⟨f_t⟩ = a sin 2(θ − θσ) has a_ft = −a, and likewise a_lt.
         Source: the paper's equations harmonique and Aniso_values_xi.
-
-        Parameters
-        ----------
-        xi : float or array
-            Cutoffs f_n/⟨f_n⟩ [-]. An array costs no more than a number.
-
-        Returns
-        -------
-        (a_c, a_ln, a_lt, a_fn, a_ft) : floats, or arrays of the shape of ξ
-            Positive along σ₁ [-]. With t = n turned by +90°, an average
-            ⟨f_t⟩ = a sin 2(θ − θσ) has a_ft = −a, and likewise a_lt.
         """
         return self.xi_networks().anisotropies(xi)
 
@@ -234,12 +208,8 @@ class Network:
     def force_pdf(self, bins=50):
         """Return the probability density of f_n/⟨f_n⟩ between grains, in logarithmic classes.
 
-        Returns
-        -------
-        f : (bins,) float array
-            Centres of the classes, f_n/⟨f_n⟩ [-].
-        pdf : (bins,) float array
-            Density [-]; Σ pdf Δf is the fraction of contacts within the classes.
+        The results are the centres of the classes f_n/⟨f_n⟩ and the densities, (bins,) each [-];
+        Σ pdf Δf is the fraction of contacts within the classes.
         """
         bins = checks.integer("bins", bins, "at least 1", lambda v: 1 <= v <= 10**6)
         force = self.local_components()[3][:, 0]
@@ -251,10 +221,7 @@ class Network:
     def friction_mobilization(self):
         """Return I_m = |f_t|/(µ f_n) of each contact between grains, 0 for µ = 0, (C,) [-].
 
-        Raises
-        ------
-        ValueError
-            If no contact between grains has a friction coefficient > 0, or one has an unknown one.
+        A ValueError reports that no contact between grains has µ > 0, or that one has unknown µ.
         """
         force = self.local_components()[3]
         friction = self.contacts["friction"][self.between_particles]
@@ -301,14 +268,8 @@ class Network:
     def backbone(self, count_side_contacts_twice=False):
         """Return the network without rattlers; see `coordination`.
 
-        Returns
-        -------
-        alive : (largest id + 1,) bool array
-            True for each remaining grain or clump, by id.
-        kept : (C,) bool array
-            True for each remaining contact.
-        total : (largest id + 1,) int array
-            Number of contacts by id.
+        The results are masks of the remaining grains or clumps by id, (largest id + 1,), and of the
+        remaining contacts, (C,), and the number of contacts by id.
         """
         ids, clump = self.particles["id"], self.particles["clump"]
         double = count_side_contacts_twice & (self.contacts["points"] == 2)

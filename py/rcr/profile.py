@@ -41,20 +41,13 @@ class Profile:
     limits : ((float, float), (float, float)), optional
         Lower left and upper right corner [m]; by default the box around the grains of the first
         frame, or the periodic cell. Grains and contacts outside are ignored.
-
-    Raises
-    ------
-    ValueError
-        If a number of cells is not whole and at least 1, or the limits enclose no area.
     """
 
     def __init__(self, cells=(1, 20), limits=None):
         if np.shape(cells) != (2,):
             raise checks.error("cells", cells, "two numbers, along x and along y")
-        self.cells = tuple(
-            checks.integer(f"cells[{k}]", n, "at least 1", lambda v: v >= 1)
-            for k, n in enumerate(cells)
-        )
+        self.cells = tuple(checks.integer(f"cells[{k}]", n, "at least 1", lambda v: v >= 1)
+                           for k, n in enumerate(cells))
         self._given = None if limits is None else checks.rectangle("limits", limits)
         self.limits = self._given
         self._sums, self._moments = None, 0
@@ -64,36 +57,22 @@ class Profile:
         if self._sums is None:
             return f"<Profile: {grid}, nothing computed yet>"
         (left, bottom), (right, top) = self.limits
-        count = self._moments
-        mean = f"mean of {count} moments" if count > 1 else "1 moment"
+        mean = f"mean of {self._moments} moments" if self._moments > 1 else "1 moment"
         return f"<Profile: {grid} from ({left:g}, {bottom:g}) to ({right:g}, {top:g}) m, {mean}>"
 
     def compute(self, what=None, reset=True):
-        """Compute the fields at one time.
+        """Compute the fields at one time; return the Profile itself.
 
-        Parameters
-        ----------
-        what : None, Frame, Network or path
-            None is the present scene of YADE; see `rcr.frame.Frame.of`.
-        reset : bool
-            True starts again; False averages over all frames since the last reset.
-
-        Returns
-        -------
-        Profile
-            The object itself.
-
-        Raises
-        ------
-        ValueError
-            If there is no grain, the first edge of the periodic cell is not along x, or O.dt or a
-            velocity has changed since the last step.
+        `what` is that of `rcr.frame.Frame.of`, None the present scene of YADE. `reset` starts
+        again; else the fields are averages over all frames since the last reset. A ValueError says
+        that there is no grain, or that the first edge of the periodic cell is not along x; or see
+        `Frame.check_unchanged`.
         """
         frame = Frame.of(what)
         frame.check_unchanged()
         if frame.cell is not None and frame.cell[1, 0] != 0:
-            given = "the first edge of the periodic cell is ({:g}, {:g})".format(*frame.cell[:, 0])
-            raise ValueError(f"{given}; expected one along x, as the grid's")
+            raise ValueError("the first edge of the periodic cell is ({:g}, {:g}); expected one "
+                             "along x, as the grid's".format(*frame.cell[:, 0]))
         if reset or self._sums is None:
             self.limits = _limits(frame) if self._given is None else self._given
             self._sums, self._moments = {}, 0
@@ -153,17 +132,8 @@ class Profile:
     def plot(self, ax=None, quantity="solid_fraction"):
         """Draw a field: a curve for one cell along an axis, else a map with a colour bar.
 
-        Parameters
-        ----------
-        ax : Axes, optional
-            By default Axes of a new Figure.
-        quantity : str
-            One of solid_fraction, velocity_x, velocity_y, speed, pressure, shear_stress,
-            coordination.
-
-        Returns
-        -------
-        Axes
+        `quantity` is solid_fraction, velocity_x, velocity_y, speed, pressure, shear_stress or
+        coordination. The function returns the Axes, by default those of a new Figure.
         """
         label, values, cmap = QUANTITIES[checks.choice("quantity", quantity, QUANTITIES)]
         values = values(self)
@@ -179,9 +149,8 @@ class Profile:
             ax.plot(x, values[:, 0], "o-")
             ax.set(xlabel="$x$ [m]", ylabel=label)
         else:
-            bound = np.nanmax(np.abs(values)) if cmap == "coolwarm" else None
-            low = None if bound is None else -bound
-            mesh = ax.pcolormesh(*self.edges, values.T, cmap=cmap, vmin=low, vmax=bound)
+            top = np.nanmax(np.abs(values)) if cmap == "coolwarm" else None
+            mesh = ax.pcolormesh(*self.edges, values.T, cmap=cmap, vmin=top and -top, vmax=top)
             ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
             ax.grid(False)  # YADE turns grids on
             ax.figure.colorbar(mesh, ax=ax, label=label)

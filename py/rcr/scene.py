@@ -25,7 +25,9 @@ def particle(
     center, R, eta, angle=0, material=-1, fixed=False, color=None, mask=1, velocity=(0, 0),
     angular_velocity=0,
 ):  # fmt: skip
-    """Body with the shape of a rounded-cap rectangle.
+    """Return a body with the shape of a rounded-cap rectangle; ``O.bodies.append`` adds it.
+
+    A ValueError reports a number that is not finite or outside its range.
 
     Parameters
     ----------
@@ -51,16 +53,6 @@ def particle(
         Velocity of the centre [m/s].
     angular_velocity : float
         Angular velocity about z [1/s].
-
-    Returns
-    -------
-    Body
-        Not yet in the scene; add it by ``O.bodies.append``.
-
-    Raises
-    ------
-    ValueError
-        If a number is not finite or outside its range.
     """
     R = _number("R", R, "a finite radius of the circumscribed circle > 0 [m]", _positive)
     eta = _number("eta", eta, "an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1)
@@ -75,7 +67,7 @@ def disc(
     center, R, material=-1, angle=0, fixed=False, color=None, mask=1, velocity=(0, 0),
     angular_velocity=0,
 ):  # fmt: skip
-    """YADE `Sphere` with the mass π R² ρ and the moment of inertia m R²/2 of a disc.
+    """Return a YADE `Sphere` with the mass π R² ρ and the moment of inertia m R²/2 of a disc.
 
     ``utils.sphere`` gives the mass of a ball, which is inconsistent with `particle`. Parameters,
     errors and the returned body are those of `particle`, without the elongation.
@@ -90,7 +82,10 @@ def clump(members, mass=None, inertia=None):
     """Join `Rcr` and `Sphere` bodies into one rigid body and append it to the scene.
 
     YADE's ``O.bodies.appendClumped`` makes three-dimensional bodies: with the mass of balls, and
-    with principal axes that may leave the plane.
+    with principal axes that may leave the plane. The function returns the id of the clump and the
+    ids of its members; set velocities on the clump: ``O.bodies[id].state.vel``. A ValueError says
+    that there is no member, that one has another shape, is fixed or moves, or that a number is
+    outside its range.
 
     Parameters
     ----------
@@ -102,18 +97,6 @@ def clump(members, mass=None, inertia=None):
     inertia : float or None
         Moment of inertia about z through the centre of the union [kg m²]; None is that of the
         union with this mass.
-
-    Returns
-    -------
-    int, list of int
-        Ids of the clump and of its members. Set velocities on the clump:
-        ``O.bodies[id].state.vel``.
-
-    Raises
-    ------
-    ValueError
-        If there is no member, one has another shape, is fixed or moves, or a number is outside
-        its range.
     """
     members = list(members)
     grains = [isinstance(b, Body) and isinstance(b.shape, (Rcr, Sphere)) for b in members]
@@ -121,8 +104,8 @@ def clump(members, mass=None, inertia=None):
         raise checks.error("members", members, "at least one body of rcr.particle or rcr.disc")
     for number, state in enumerate(b.state for b in members):
         if state.blockedDOFs != "zXY" or any(state.vel) or any(state.angVel):
-            raise ValueError(f"members[{number}] is fixed or moves; expected a free body at rest. "
-                             "Block or move the clump instead: O.bodies[id].state")
+            raise ValueError(f"members[{number}] is fixed or moves; block or move the clump "
+                             "instead: O.bodies[id].state")
     if len({id(b) for b in members}) < len(members):
         raise ValueError("members holds a body twice; expected each body once")
     area, (x, y), polar_moment = _outlines.union(_outlines_of(members))
@@ -137,7 +120,9 @@ def clump(members, mass=None, inertia=None):
 
 
 def wall(axis, position, sense=0, velocity=0, material=-1):
-    """Infinite wall with prescribed motion.
+    """Return an infinite wall with prescribed motion.
+
+    A ValueError reports an unknown axis or sense, or a number that is not finite.
 
     Parameters
     ----------
@@ -151,17 +136,10 @@ def wall(axis, position, sense=0, velocity=0, material=-1):
         Velocity along the axis [m/s]. ``body.state.vel`` changes it later.
     material : FrictMat, int or str
         As for `particle`.
-
-    Returns
-    -------
-    Body
-
-    Raises
-    ------
-    ValueError
-        If the axis or the sense is unknown, or a number is not finite.
     """
-    k = _axis(axis)
+    expected = "'x' or 'y' (or 0 or 1), the axis of the wall's normal"
+    k = "xy".index(axis) if axis in ("x", "y") else checks.integer(
+        "axis", axis, expected, lambda v: v in (0, 1))
     if sense not in (-1, 0, 1):
         raise checks.error("sense", sense, "+1, −1, or 0 for both sides")
     position = _number("position", position, "a finite coordinate [m]")
@@ -171,7 +149,7 @@ def wall(axis, position, sense=0, velocity=0, material=-1):
 
 
 def mobile_wall(axis, position, mass, sense=0, material=-1):
-    """Wall that forces move along its normal (``WallStress``, ``O.forces.setPermF``).
+    """Return a wall that forces move along its normal (``WallStress``, ``O.forces.setPermF``).
 
     `mass` [kg] replaces the velocity; the other parameters are those of `wall`.
     """
@@ -182,26 +160,12 @@ def mobile_wall(axis, position, mass, sense=0, material=-1):
 
 
 def segment(start, end, material=-1):
-    """Fixed `Facet` that intersects the plane in the segment between two points.
+    """Return a fixed `Facet` that intersects the plane in the segment between two points [m].
 
-    Both sides are active. ``utils.facet`` takes the corners of a triangle in space, which
-    intersects the plane only in a part of its edge.
-
-    Parameters
-    ----------
-    start, end : (float, float) or (float, float, float)
-        Ends of the segment [m], at the z of the grains.
-    material : FrictMat, int or str
-        As for `particle`.
-
-    Returns
-    -------
-    Body
-
-    Raises
-    ------
-    ValueError
-        If a coordinate is not finite, the ends differ in z, or they coincide.
+    `start` and `end` have two or three coordinates, at the z of the grains; the material is that of
+    `particle`. Both sides are active. ``utils.facet`` takes the corners of a triangle in space,
+    which intersects the plane only in a part of its edge. A ValueError reports a coordinate that
+    is not finite, or ends that differ in z or coincide.
     """
     start, end = _point("start", start), _point("end", end)
     length = (end - start).norm()
@@ -230,16 +194,9 @@ def last_problem(engine):
 def save_problem(engine, path):
     """Save the contact problem of the last step with its warm start: ``ContactDynamics.save``.
 
-    Parameters
-    ----------
-    path : str
-        ``.h5`` for FCLIB (W, q, µ) or ``.npz`` (with the bodies); see `rcr.problems`.
-
-    Raises
-    ------
-    ValueError
-        If the suffix is unknown, no step was made since the scene was made or loaded, or contacts
-        cross the boundary of a deforming periodic cell.
+    `path` ends in ``.h5`` for FCLIB (W, q, µ) or ``.npz`` (with the bodies); see `rcr.problems`. A
+    ValueError reports another suffix, no step since the scene was made or loaded, or contacts
+    across the boundary of a deforming periodic cell.
     """
     problems.save(path, last_problem(engine))
 
@@ -316,14 +273,6 @@ def _vector(name, given, expected, expected_component):
         raise checks.error(name, given, expected)
     finite = [_number(f"{name}[{k}]", v, expected_component) for k, v in enumerate(components)]
     return Vector3(*finite, *[0] * (3 - len(finite)))
-
-
-def _axis(axis):
-    """Return 0 or 1 for an axis that is given by its name or its number."""
-    if axis in ("x", "y"):
-        return "xy".index(axis)
-    expected = "'x' or 'y' (or 0 or 1), the axis of the wall's normal"
-    return checks.integer("axis", axis, expected, lambda v: v in (0, 1))
 
 
 def _outlines_of(bodies):

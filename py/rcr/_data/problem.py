@@ -93,6 +93,9 @@ class BodyProblem:
 class DelassusProblem:
     """Contact problem of one step as W and q.
 
+    A ValueError reports sizes that do not fit, a number that is not finite, W asymmetric beyond
+    1e-8 of its largest entry or with a negative diagonal, or µ < 0.
+
     Parameters
     ----------
     entries : (rows, columns, values)
@@ -109,19 +112,14 @@ class DelassusProblem:
     ----------
     row_start, column, block : (nc + 1,) int, (nb,) int and (nb, 2, 2) float arrays
         W in compressed rows of blocks. Columns ascend, and each row has its diagonal block.
-
-    Raises
-    ------
-    ValueError
-        If sizes do not fit, a number is not finite, W is asymmetric beyond 1e-8 of its largest
-        entry or has a negative diagonal, or µ < 0.
     """
 
     def __init__(self, entries, q, friction, impulse=None):
         self.friction = checks.array("mu", friction, (None,))
         nc = len(self.friction)
         self.q = _pairs("q", q, nc)
-        self.impulse = _pairs("the warm start", np.zeros(2 * nc) if impulse is None else impulse, nc)
+        impulse = np.zeros(2 * nc) if impulse is None else impulse
+        self.impulse = _pairs("the warm start", impulse, nc)
         checks.require(self.friction >= 0, "mu", self.friction, "µ ≥ 0")
         try:
             row, column, value = entries

@@ -12,20 +12,10 @@ from rcr._data.siconos import load_siconos
 
 
 def load(path):
-    """Load a problem.
+    """Return the problem of a file: a BodyProblem of ``.npz``, else a DelassusProblem.
 
-    Returns
-    -------
-    BodyProblem or DelassusProblem
-        A BodyProblem from ``.npz``, a DelassusProblem from FCLIB's ``.h5`` or ``.hdf5`` and from
-        Siconos' ``.dat``.
-
-    Raises
-    ------
-    ValueError
-        If the file is malformed or of another kind.
-    OSError
-        If the file cannot be read.
+    FCLIB has the suffix ``.h5`` or ``.hdf5``, Siconos ``.dat``. A ValueError reports a file that is
+    malformed or of another kind, an OSError one that cannot be read.
     """
     suffix = _suffix(path, (".npz", ".h5", ".hdf5", ".dat"))
     with files.reading(path, f"a {suffix} file"):
@@ -33,19 +23,9 @@ def load(path):
 
 
 def save(path, problem):
-    """Save a BodyProblem as ``.npz``, or any problem as FCLIB ``.h5``.
+    """Save a BodyProblem as ``.npz``, or any problem as FCLIB ``.h5``; replace an existing file.
 
-    Parameters
-    ----------
-    path : str
-        An existing file is replaced.
-    problem : BodyProblem or DelassusProblem
-        A DelassusProblem has no bodies and needs ``.h5``.
-
-    Raises
-    ------
-    ValueError
-        If the suffix is unknown, or a problem without bodies is saved as ``.npz``.
+    A ValueError reports an unknown suffix, or a problem without bodies for ``.npz``.
     """
     if _suffix(path, (".npz", ".h5", ".hdf5")) != ".npz":
         return save_fclib(path, problem)

@@ -36,9 +36,10 @@ def commit():
     clone = pathlib.Path(__file__).resolve().parents[3]
     if not (clone / ".git").exists():  # an installed package may lie in another repository
         return "unknown"
-    command = ["git", "-C", clone, "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
+    describe = ["git", "-C", clone, "describe", "--always", "--dirty=+", "--abbrev=12",
+                "--exclude=*"]
     with contextlib.suppress(OSError):
-        done = subprocess.run(command, capture_output=True, text=True)
+        done = subprocess.run(describe, capture_output=True, text=True)
         return done.stdout.strip() or "unknown"
     return "unknown"
 

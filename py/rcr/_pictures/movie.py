@@ -20,8 +20,8 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
         Holds networks (``*.h5``), which are drawn in order of time with one scale of colours, or
         pictures of `rcr.snapshot` (``*.png``), in order of name. A ValueError reports neither.
     path : path, optional
-        ``.gif``, or ``.mp4`` and other formats if ffmpeg is installed, else a ValueError; by default
-        ``movie.gif`` in the folder.
+        ``.gif``, or ``.mp4`` and other formats, for which a ValueError says that ffmpeg is missing;
+        by default ``movie.gif`` in the folder.
     fps : float
         Pictures per second.
     dpi : float

@@ -13,10 +13,11 @@ LONGEST_PAUSE = 0.02  # longest time between two checks of a run and of Ctrl-C [
 def advance(steps, label="steps", until=None, every=None):
     """Make steps as ``O.run(steps, wait=True)`` does, with a progress bar on a terminal.
 
-    A first Ctrl-C or SIGTERM ends the run after a whole step, so that a script can save its
-    results: ``if not rcr.advance(5000): print("stopped early")``. A second one raises
-    KeyboardInterrupt. Signals reach the main thread alone. An engine can end the run by
-    ``O.pause()``.
+    A first Ctrl-C or SIGTERM ends the run after a whole step; the function then returns False, so
+    that a script can save its results: ``if not rcr.advance(5000): print("stopped early")``. A
+    second one raises KeyboardInterrupt. Signals reach the main thread alone. An engine can end the
+    run by ``O.pause()``. A RuntimeError reports an active run, a ValueError a number that is not
+    whole or below 1; all errors of ``O.run`` can occur.
 
     Parameters
     ----------
@@ -29,24 +30,12 @@ def advance(steps, label="steps", until=None, every=None):
         are reproducible.
     every : int, optional
         Steps between calls of `until`; by default a hundredth of the steps.
-
-    Returns
-    -------
-    bool
-        False if the user has stopped the run. ``O.iter`` is the number of the last step.
-
-    Raises
-    ------
-    ValueError
-        If a number is not whole and at least 1, and all errors of ``O.run``.
-    RuntimeError
-        If a run is active.
     """
     from tqdm import tqdm
 
     if Omega().running:
-        given = "rcr.advance: a run is active, perhaps that of the calling engine"
-        raise RuntimeError(f"{given}; end it first by O.pause() or O.wait()")
+        raise RuntimeError("rcr.advance: a run is active, perhaps that of the calling engine; end "
+                           "it first by O.pause() or O.wait()")
     expected = "a number of steps, at least 1"
     steps = checks.integer("steps", steps, expected, lambda v: v >= 1)
     every = max(1, steps // 100) if every is None else every

@@ -11,12 +11,13 @@ O = Omega()
 
 
 def contact_network(walls=None, volume=None, **attributes):
-    """Force-bearing contacts of the last step, one row per pair of bodies, under any law.
+    """Return the Network of the last step, under any law: one row per force-bearing pair of bodies.
 
     Grains are the free and clumped `Rcr` and `Sphere` bodies. Obstacles are walls, boxes, facets
     and grains with prescribed motion. An obstacle is always body 2 and has a negative id; contacts
     between obstacles are left out. Positions, branch vectors and normals belong to the time of the
-    forces, before the step moved the bodies.
+    forces, before the step moved the bodies. A ValueError says that no grain is free, or that an
+    argument is invalid.
 
     Parameters
     ----------
@@ -28,21 +29,10 @@ def contact_network(walls=None, volume=None, **attributes):
         cell or of the box of four walls. Without it `Network.stress` raises an error; ratios of
         stresses, fabric and forces do not need it.
     **attributes
-        Stored with the network: ``strain``, ``eta``, ``friction``, ``seed``.
-
-    Returns
-    -------
-    Network
-
-    Raises
-    ------
-    ValueError
-        If no grain is free, the volume is not > 0, `walls` are not four walls of a box, an
-        attribute is one that the scene itself gives, or O.dt or a velocity has changed since the
-        last step.
+        Stored with the network: ``strain``, ``eta``, ``friction``, ``seed``. ``time``, ``dt``,
+        ``cell`` and ``cell_velocity`` come from the scene.
     """
-    own = {"time", "dt", "cell", "cell_velocity"} & attributes.keys()
-    if own:
+    if own := {"time", "dt", "cell", "cell_velocity"} & attributes.keys():
         given = ", ".join(sorted(own))
         raise ValueError(f"contact_network({given}=…): the scene gives it; choose another name")
     frame = Frame.of_scene()
@@ -79,23 +69,19 @@ def _contacts(frame, codes):
     bearing = (frame.normal_force() > 0) & (free1 | free2)
     turned, at_obstacle = ~free1[bearing], ~(free1 & free2)[bearing]
     c = {name: column[bearing] for name, column in frame.contacts.items()}
-
-    def swap(one, two):
-        return np.where(turned.reshape(-1, *[1] * (one.ndim - 1)), two, one)
-
-    sign = np.where(turned, -1, 1)[:, None]
-    body1, body2 = swap(c["body1"], c["body2"]), swap(c["body2"], c["body1"])
-    arm1, arm2 = swap(c["arm1"], c["arm2"]), swap(c["arm2"], c["arm1"])
-    obstacles = [codes.get(int(id_), OTHER - int(id_)) for id_ in body2]
-    columns = dict(
-        body1=body1, body2=np.where(at_obstacle, obstacles, body2),
-        type=c["type"], points=c["points"], friction=c["friction"],
-        normal=sign * c["normal"], force=sign * c["force"],
-        branch=np.where(at_obstacle[:, None], arm1, arm1 - arm2),
-        position=frame.centers[frame.rows(body1)] + arm1)  # beside body 1, also across a cell edge
+    for one, two in (("body1", "body2"), ("arm1", "arm2")):
+        c[one][turned], c[two][turned] = c[two][turned], c[one][turned]
+    for name in ("normal", "force"):
+        c[name][turned] *= -1
+    arm1, arm2 = c.pop("arm1"), c.pop("arm2")
+    c["branch"] = np.where(at_obstacle[:, None], arm1, arm1 - arm2)
+    # beside body 1, also across a cell edge
+    c["position"] = frame.centers[frame.rows(c["body1"])] + arm1
+    obstacles = [codes.get(int(id_), OTHER - int(id_)) for id_ in c["body2"]]
+    c["body2"] = np.where(at_obstacle, obstacles, c["body2"])
     # by ids, because YADE's order changes when a scene is reloaded
-    order = np.lexsort((columns["body2"], columns["body1"]))
-    return {name: column[order] for name, column in columns.items()}
+    order = np.lexsort((c["body2"], c["body1"]))
+    return {name: column[order] for name, column in c.items()}
 
 
 def _box(walls):

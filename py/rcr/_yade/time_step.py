@@ -15,7 +15,7 @@ O = Omega()
 
 
 def critical_time_step(points=6):
-    """Largest stable time step of a scene with springs [s]; take half of it or less.
+    """Return the largest stable time step of a scene with springs [s]; take half of it or less.
 
     A body with `points` contact points at the worst places, among equal neighbours, vibrates along
     normals and tangents at most at
@@ -35,21 +35,9 @@ def critical_time_step(points=6):
     YADE's PWaveTimeStep supports spheres alone. GlobalStiffnessTimeStepper counts a side-side
     contact of two points as one and ignores the dashpots; give it timestepSafetyCoefficient ≤ 0.4.
 
-    Parameters
-    ----------
-    points : int
-        Contact points per body; dense packings in the plane have 4 to 6.
-
-    Returns
-    -------
-    float
-        Time step [s].
-
-    Raises
-    ------
-    ValueError
-        If the scene has no free grain or no Law2_RcrGeom_FrictPhys_CundallStrack, or if a
-        stiffness is outside its range.
+    Dense packings in the plane have 4 to 6 contact points per body. A ValueError reports a scene
+    without a free grain or without Law2_RcrGeom_FrictPhys_CundallStrack, or a stiffness outside its
+    range.
     """
     loops = [e for e in O.engines if isinstance(e, InteractionLoop) and not e.dead]
     damping, stiffness_of = _damping(loops), _stiffnesses(loops)
@@ -150,12 +138,8 @@ def half_step_start():
     Call it once, after setting bodies, gravity, permanent forces and ``O.dt``, or again after
     setting all velocities. After steps, velocities lag half a step already: a second call would
     double the error. It does not improve impacts, whose times are known to one step, nor springs
-    that are already loaded.
-
-    Raises
-    ------
-    ValueError
-        If the scene has no NewtonIntegrator, or ``O.dt`` is not positive.
+    that are already loaded. A ValueError reports a scene without a NewtonIntegrator, or ``O.dt``
+    that is not positive.
     """
     integrators = [e for e in O.engines if isinstance(e, NewtonIntegrator) and not e.dead]
     if len(integrators) != 1:
