@@ -131,6 +131,34 @@ def test_a_contact_that_no_impulse_can_open_does_not_converge(solver, tmp_path):
         assert solve(bodies, solver).converged == (bias > 0)
 
 
+SQUEEZED = [  # a disc between two points that close: u_n1 + u_n2 = −2 for all impulses
+    problems.DelassusProblem(
+        ([0, 0, 2, 2, 1, 3], [0, 2, 0, 2, 1, 3], [1.0, -1, -1, 1, 1, 1]), [-1, 0, -1, 0], [0, 0]),
+    problems.BodyProblem(
+        [[1, 1, 1], [0, 0, 0], [0, 0, 0]], [[0, 0, 0], [1, 0, 0], [-1, 0, 0]], [[1, 0], [2, 0]],
+        [[1, 0], [-1, 0]], np.zeros((2, 2)), np.zeros((2, 2)), [0, 0], [0.5, 0.5],
+        np.zeros((2, 2))),
+    DATA / "wedge_without_solution.npz",
+]
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+@pytest.mark.parametrize("problem", SQUEEZED, ids=["W and q", "bodies", "wedge"])
+def test_a_problem_without_a_solution_does_not_converge(problem, tolerance, solver):
+    """Its impulses grow, and with them the scale of the residual."""
+    assert not solve(problem, solver, tolerance=tolerance, max_iterations=100_000).converged
+
+
+@pytest.mark.parametrize("size", [1e-90, 1e-101])
+def test_numbers_whose_squares_vanish_are_refused(size):
+    problem = problems.DelassusProblem(([0, 1], [0, 1], [1.0, 1.0]), [-size, 0], [0.5])
+    if size > 1e-100:
+        assert solve(problem, "exact").reaction[0] == pytest.approx([size, 0], rel=1e-4)
+    else:
+        refused("the largest velocity is 1e-101; expected at least 1e-100", solve, problem)
+
+
 # --- malformed files
 
 def assert_refused(path, says):

@@ -16,8 +16,8 @@ def contact_network(walls=None, volume=None, **attributes):
     Grains are the free and clumped `Rcr` and `Sphere` bodies. Obstacles are walls, boxes, facets
     and grains with prescribed motion. An obstacle is always body 2 and has a negative id; contacts
     between obstacles are left out. Positions, branch vectors and normals belong to the time of the
-    forces, before the step moved the bodies. A ValueError says that no grain is free, or that an
-    argument is invalid.
+    forces, before the step moved the bodies. A ValueError says that no grain is free, that an
+    argument is invalid, or that O.dt or a velocity has changed since the last step.
 
     Parameters
     ----------

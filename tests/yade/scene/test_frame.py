@@ -303,6 +303,27 @@ def test_a_network_has_the_stresses_and_forces_of_its_scene(resting, tmp_path):
     assert scene.mobilization().max() <= 1 + 1e-6  # the law's limit, to the tolerance of the solver
 
 
+@pytest.mark.parametrize("change, says", [
+    (lambda: setattr(O, "dt", 2 * O.dt), "O.dt is 0.002, but was 0.001 in the last step"),
+    (lambda: set_state(vel=(0, -1, 0)), "the velocity of .*#1.* is not that in the last step"),
+    (lambda: set_state(0, vel=(0, 1, 0)), "the velocity of .*#0.* is not that in the last step"),
+])
+def test_stresses_need_the_state_after_the_step(change, says):
+    """O.dt and velocities give the positions at which the forces of the last step acted."""
+    build(rcr.wall("y", 0), rcr.disc((0, 0.1), 0.1, material()))
+    O.run(3, True)
+    calls = rcr.contact_network, rcr.measure.stress_tensors, rcr.Profile(cells=(1, 1)).compute
+    for call in calls:
+        call()
+    change()
+    for call in calls:
+        refused(says, call)
+    assert rcr.measure.extent() is not None
+    O.step()
+    for call in calls:
+        call()
+
+
 def test_a_clump_counts_as_one(resting):
     """The stress of a clump is symmetric up to its acceleration; arms start at its own centre."""
     ids, network, *_ = resting

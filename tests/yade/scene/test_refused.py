@@ -239,6 +239,7 @@ BOTH = [  # under both laws
       for load in (lambda: w.ForceEngine(ids=[1]), w.GravityEngine)),
     (lambda: insert(3, rcr.WallStress(wall=1, start=0, end=0)),
      "WallStress.wall = 1 is not the id of a body with the shape Wall"),
+    (lambda: setattr(O.bodies[0].shape, "sense", 2), "#0 is a Wall with sense = 2; expected .1"),
     (lambda: set_state(vel=(0, 0, 0.01)), OUT),
     (lambda: set_state(angVel=(3, 0, 0)), OUT),
     (lambda: set_state(angVel=(0, 1e-3, 0)), OUT),
@@ -253,6 +254,10 @@ FAULTS = [*(("rigid", *row) for row in RIGID + BOTH), *(("smooth", *row) for row
 
 
 LATE = [  # faults that show in the course of a step
+    *(("rigid", lambda value=value: setattr(O.engines[2].physDispatcher.functors[0], "restitution",
+                                            value),
+       "has the restitution nan; .*a MatchMaker needs algo='val', or a match for each pair")
+      for value in (w.MatchMaker(algo="avg"), w.MatchMaker(matches=((7, 8, 0.5),)))),
     ("rigid", lambda: reorder(0, 1, 2, 4, 3), "stands after the NewtonIntegrator"),
     ("rigid",
      lambda: insert(3, w.RotationEngine(ids=[0], rotationAxis=(0, 0, 1), angularVelocity=1)),

@@ -8,7 +8,7 @@ import rcr
 import yade
 import yade.utils
 from scenes import (G, LAWS, build, contact_forces, engines, grain_on_floor, insert, material, pile,
-                    pressed_box, python, refused, resting, set_state, snapshot, solver, springs,
+                    pressed_box, python, refused, resting, set_state, shrinking_cell, snapshot, solver, springs,
                     springy, stadium, steps, tilted, velocity)
 from yade import O
 from yade.wrapper import MatchMaker, PyRunner
@@ -225,6 +225,18 @@ def test_a_time_step_that_changes_before_the_integrator_is_refused():
         assert O.iter == 4
         insert(6, PyRunner(command="O.dt *= 2", iterPeriod=1, nDo=2))
         take(6)
+
+
+def test_a_cell_that_changes_its_motion_before_the_integrator_is_refused():
+    """Images must move as in the solution."""
+    shrinking_cell()
+    runner = PyRunner(command="O.cell.velGrad *= 2", iterPeriod=1, nDo=1)
+    insert(4, runner)
+    refused("O.cell.velGrad changed after ContactDynamics", steps, 3)
+    O.engines = [e for e in O.engines if e is not runner]
+    for place in 0, 3, 5:
+        insert(place, PyRunner(command="O.cell.velGrad *= -1", iterPeriod=1, nDo=3))
+    steps(5)
 
 
 def test_a_misspelt_attribute_is_refused():

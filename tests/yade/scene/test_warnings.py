@@ -10,7 +10,7 @@ import rcr
 from scenes import (KN, LAWS, build, gaps, grain_on_floor, insert, material, refused, resting,
                     snapshot, solver, springs, stadium, steps)
 from yade import O, utils
-from yade.wrapper import GlobalStiffnessTimeStepper, PyRunner
+from yade.wrapper import DragEngine, GlobalStiffnessTimeStepper, LinearDragEngine, PyRunner
 
 
 def add(center, **options):
@@ -69,6 +69,18 @@ def test_time_step_forgotten_and_ball_among_rcrs():
     O.bodies[2].state.blockedDOFs = "zXY"
     (told,) = advised()
     assert "#2 is a Sphere with the mass of a ball, " in told and "make it by rcr.disc" in told
+
+
+@pytest.mark.parametrize("engine", [DragEngine, LinearDragEngine])
+def test_a_drag_that_omits_a_grain_warns(engine):
+    """YADE's engines act on Spheres only."""
+    resting()
+    O.bodies.append(rcr.disc((5, 0.1), 0.1, material=O.bodies[1].material))
+    insert(1, engine(ids=[2]))
+    assert advised() == []
+    O.engines[1].ids = [2, 1]
+    assert [told.split(";")[0] for told in advised()] == [
+        f"{engine.__name__} exerts no force on body #1, which is no Sphere"]
 
 
 def test_a_scene_without_overlaps_is_not_warned_of():
