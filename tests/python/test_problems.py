@@ -70,7 +70,7 @@ def test_every_solver_satisfies_the_laws(files, step, name, solver):
     assert found.contacts == len(arrays["a"]) and found.seconds > 0
 
 
-def test_settings(files):
+def test_settings_and_warm_starts(files):
     for name in ("step.npz", "rows.h5"):
         assert solve(files / name, "nlgs", 0, 37).iterations == 37
         short = solve(files / name, "exact", 1e-12, 7)
@@ -78,9 +78,6 @@ def test_settings(files):
         for bad, says in (({"solver": "newton"}, "newton"), ({"tolerance": -1}, "tolerance = -1"),
                           ({"max_iterations": 0}, "maxIterations = 0")):
             refused(says, solve, files / name, **bad)
-
-
-def test_warm_start(files):
     problem = problems.load(files / "step.npz")
     problem.impulse = solve(problem, "exact", 1e-9).reaction
     problems.save_fclib(files / "warm.h5", problem)

@@ -94,12 +94,17 @@ def test_a_contact_at_the_edge_of_the_periodic_cell_counts():
     assert profile._sum("contacts").sum() == network.between_particles.sum()
 
 
-def test_layers_are_means_of_a_map():
+def test_layers_are_means_of_a_map_and_moments_are_averaged():
     network = scene(1)
     layers, map_ = (rcr.Profile(cells, BOX).compute(network) for cells in ((1, 6), (5, 6)))
     assert layers.pressure[0] == pytest.approx(map_.pressure.mean(axis=0))
     assert layers.solid_fraction[0] == pytest.approx(map_.solid_fraction.mean(axis=0))
     assert layers.centers[1] == pytest.approx(np.arange(6) + 0.5) and len(map_.edges[0]) == 6
+    one, two = network, scene(2)  # averages over moments
+    mean = rcr.Profile((3, 3), BOX).compute(one).compute(two, reset=False)
+    apart = [rcr.Profile((3, 3), BOX).compute(network) for network in (one, two)]
+    assert mean.stress == pytest.approx(0.5 * (apart[0].stress + apart[1].stress))
+    assert mean.compute(two).stress == pytest.approx(apart[1].stress)
 
 
 def test_a_turning_grain_and_a_grain_in_two_cells():
@@ -113,14 +118,6 @@ def test_a_turning_grain_and_a_grain_in_two_cells():
     assert profile.velocity[:, 0, 1] == pytest.approx([-4 / (3 * np.pi), 4 / (3 * np.pi)], rel=0.02)
     assert np.isnan(profile.fabric).all() and (profile.stress == 0).all()
     assert (profile.coordination == 0).all()
-
-
-def test_averages_over_moments():
-    one, two = scene(1), scene(2)
-    mean = rcr.Profile((3, 3), BOX).compute(one).compute(two, reset=False)
-    apart = [rcr.Profile((3, 3), BOX).compute(network) for network in (one, two)]
-    assert mean.stress == pytest.approx(0.5 * (apart[0].stress + apart[1].stress))
-    assert mean.compute(two).stress == pytest.approx(apart[1].stress)
 
 
 def test_plots_return_their_axes_and_draw_layers():

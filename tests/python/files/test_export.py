@@ -108,10 +108,7 @@ def test_index_names_the_three_files(tmp_path):
     assert [p.attrib["name"] for p in parts] == ["grains", "contacts", "obstacles"]
     assert [tmp_path / p.attrib["file"] for p in parts] == list(files)
     refused("ends in .vtm", vtk, tmp_path / "pile.vtk", packing(0.5))
-
-
-def test_a_scene_without_contacts_and_obstacles(tmp_path):
-    """VTK requires the element Cells even without cells."""
+    # without contacts and obstacles; VTK requires the element Cells even without cells
     frame = scene()
     frame.contacts = {name: column[:0] for name, column in frame.contacts.items()}
     files = vtk(tmp_path / "a.vtm", frame)

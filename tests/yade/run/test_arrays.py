@@ -414,10 +414,7 @@ def test_a_change_of_observed_bodies_starts_a_new_mean():
     assert set(second["forces"]) == set(second["positions"]) == {3, 60}
     assert (second["steps"], second["step"]) == (100, 275)
     assert watched.observed()["steps"] == 25
-
-
-def test_an_observed_body_that_is_erased():
-    """The history leaves out its position; the next step raises."""
+    # an observed body is erased: the history leaves out its position, the next step raises
     watched = observed([5, 60], 50)
     O.run(100, True)
     O.bodies.erase(5)

@@ -252,11 +252,9 @@ def resting():
         steps(100)
     network = rcr.contact_network(volume=0.25)
     ids["center"] = np.array(O.bodies[ids["clump"]].state.pos)[:2]
-    frame = Frame.of()
-    weight = G * (sum(O.bodies[k].state.mass for k in ids["grains"])
-                  + O.bodies[ids["clump"]].state.mass)
+    weight = G * sum(O.bodies[k].state.mass for k in (*ids["grains"], ids["clump"]))
     frictions = {frozenset((i.id1, i.id2)): i.phys.tangensOfFrictionAngle for i in O.interactions}
-    return ids, network, frame, weight, frictions
+    return ids, network, Frame.of(), weight, frictions
 
 
 def test_obstacles_carry_the_weight(resting):

@@ -31,11 +31,8 @@ def test_a_table_resumes_where_it_stopped(tmp_path):
     table.put("a/1", [dict(point="a/1", status="ok", x=2.0)])
     rows = [(row["point"], row["x"]) for row in charts.Table(path, ["x"]).rows]
     assert rows == [("a/2", ""), ("a/1", 2.0)]
-
-
-def test_rows_of_other_settings_are_other_rows(tmp_path):
-    """A quick run and a full one share a file; rows of another protocol are replaced."""
-    path, other = str(tmp_path / "t.csv"), str(tmp_path / "other.csv")
+    # a quick run and a full one share a file; rows of another protocol are replaced
+    path, other = str(tmp_path / "quick.csv"), str(tmp_path / "other.csv")
     for settings, x in (("quick = True", 1.0), ("quick = False", 2.0)):
         table = charts.Table(path, ["x"], settings)
         assert not table.has("a/1") and table.rows == []
