@@ -328,10 +328,13 @@ def test_energy_of_a_cell_that_is_driven_closes():
     O.cell.velGrad = plane(-0.3, 0.1, 0, -0.3)
     while fraction(m) < 0.72:
         steps(50)
-    accounts = dict(O.energy.items())
+    totals = []
+    for _ in range(9):  # O.energy holds the impacts of a step after the next one
+        steps(1)
+        accounts = dict(O.energy.items())
+        # YADE counts velocities relative to those of the cell
+        moving = sum(0.5 * b.state.mass * b.state.vel.norm() ** 2 + 0.5 * b.state.inertia[2]
+                     * b.state.angVel[2] ** 2 for b in O.bodies)
+        totals.append(moving + sum(accounts.values()) - accounts.get("kinetic", 0))
     assert accounts["driveWork"] < 0 < accounts["plastDissip"]
-    # YADE counts velocities relative to those of the cell
-    moving = sum(0.5 * b.state.mass * b.state.vel.norm() ** 2 + 0.5 * b.state.inertia[2]
-                 * b.state.angVel[2] ** 2 for b in O.bodies)
-    total = moving + sum(value for name, value in accounts.items() if name != "kinetic")
-    assert abs(total) < 0.01 * abs(accounts["driveWork"]), accounts
+    assert abs(np.median(totals)) < 0.002 * abs(accounts["driveWork"]), (totals, accounts)

@@ -372,7 +372,7 @@ def test_members_of_one_clump_want_no_ig2():
     *((height, fault, match) for height in (0.1, 5) for fault, match in (
         ("O.engines[2].lawDispatcher.functors = []", "no Law2_RcrGeom_CdPhys_SignoriniCoulomb"),
         ("O.engines[2].physDispatcher.functors = []", "no Ip2_FrictMat_FrictMat_CdPhys"),
-        ("O.engines[2].physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]",
+        ("O.engines[2].physDispatcher.functors = [w.Ip2_FrictMat_FrictMat_FrictPhys()]",
          "no Ip2_FrictMat_FrictMat_CdPhys"))),
     (0.15, "insert(5, PyRunner(iterPeriod=1, command='O.bodies[1].material = "
      "ElastMat(density=1000)')); O.run(500, True)", "give it a FrictMat"),
