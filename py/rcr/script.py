@@ -5,7 +5,6 @@
 
 import argparse
 import contextlib
-import math
 import os
 import signal
 import sys
@@ -44,16 +43,9 @@ class Parser(argparse.ArgumentParser):
 
 
 def number(expected="a finite number", valid=lambda v: True, kind=float):
-    """Return an option type: a finite number for which `valid` holds.
+    """Return an option type: a finite number, float or int, for which `valid` holds.
 
-    Parameters
-    ----------
-    expected : str
-        Description for the error message.
-    valid : callable
-        Takes the number, returns a bool.
-    kind : type
-        float or int.
+    The error message says what is `expected`.
     """
 
     def parse(text):
@@ -61,7 +53,7 @@ def number(expected="a finite number", valid=lambda v: True, kind=float):
             value = kind(text)
         except ValueError:
             raise argparse.ArgumentTypeError(f"{text[:60]!r}: expected {expected}") from None
-        if not -(2**63) <= value < 2**63 or not math.isfinite(value) or not valid(value):
+        if not -(2**63) <= value < 2**63 or not valid(value):
             raise argparse.ArgumentTypeError(f"{str(value)[:60]}: expected {expected}")
         return value
 
@@ -75,7 +67,7 @@ def integer(expected="a whole number below 2^63", valid=lambda v: True):
 
 def at_least(least, most=2**31 - 1):
     """Return an option type: a whole number from `least` to `most`."""
-    limit = "" if most == 2**31 - 1 else f" and at most {most}"
+    limit = f" and at most {most}" if most < 2**31 - 1 else ""
     return integer(f"at least {least}{limit}", lambda v: least <= v <= most)
 
 
@@ -84,8 +76,7 @@ THREADS = at_least(1, 1024)
 
 def folder(text):
     """Option type: a folder that exists or can be made."""
-    path = _path(text)
-    parent = os.path.abspath(path)
+    parent = os.path.abspath(path := _path(text))
     while not os.path.lexists(parent):
         parent = os.path.dirname(parent)
     if not os.path.isdir(parent):
@@ -99,9 +90,8 @@ def folder(text):
 
 def new_file(text):
     """Option type: a file that can be written, in an existing folder."""
-    path = _path(text)
     try:
-        files.check_writable(path)
+        files.check_writable(path := _path(text))
     except OSError as error:
         raise argparse.ArgumentTypeError(files.one_line(error)) from None
     return path
@@ -123,19 +113,11 @@ def add_results(parser, what):
 
 
 def options(doc, **more):
-    """Parse the options --out DIR and --quick of an example, and make the folder.
+    """Parse the options --out DIR and --quick of an example, make the folder, return the options.
 
-    Parameters
-    ----------
-    doc : str
-        Doc string of the script. Its first line is the description in --help.
-    **more : dict
-        Further options by name; each value holds keywords of ``add_argument``.
-
-    Returns
-    -------
-    argparse.Namespace
-        ``out`` (by default ``out/NAME`` for the script ``NAME.py``), ``quick``, further options.
+    ``out`` is by default ``out/NAME`` for the script ``NAME.py``. The first line of the script's
+    docstring `doc` is the description in --help. `more` holds further options by name, as dicts of
+    keywords of ``add_argument``.
     """
     name = os.path.basename(sys.argv[0])
     parser = Parser(prog=name, description=doc.strip().splitlines()[0])
@@ -190,22 +172,22 @@ def run(main):
     `main` returns the code (None: 0). The function avoids YADE's own exit, which loses the code.
     Within the program `yade` it returns after success, so that a session can continue.
     """
-    name = os.path.basename(sys.argv[0])
+    code, message = 1, ""
     try:
-        code, message = main() or 0, ""
+        code = main() or 0
     except SystemExit as end:
         if isinstance(end.code, (int, type(None))):  # argparse has printed its message
-            code, message = end.code or 0, ""
+            code = end.code or 0
         else:
-            code, message = 1, f"{name}: {end.code}"
+            message = end.code
     except (KeyboardInterrupt, Stopped) as error:
-        code, message = STOPPED, f"{name}: {error if str(error) else 'stopped'}"
+        code, message = STOPPED, str(error) or "stopped"
     except MemoryError:
-        code, message = 1, f"{name}: the memory does not suffice; choose a smaller problem"
+        message = "the memory does not suffice; choose a smaller problem"
     except (ValueError, RuntimeError, OSError) as error:
-        code, message = 1, f"{name}: {files.one_line(error)}"
+        message = files.one_line(error)
     if message:
-        print(message, file=sys.stderr)
+        print(f"{os.path.basename(sys.argv[0])}: {message}", file=sys.stderr)
     _end(code)
 
 

@@ -220,7 +220,7 @@ def test_bad_runs_are_refused(tmp_path):
             tmp_path / "a", from_strain=0.9)
     slippery, smooth = (Run.read(write_run(tmp_path / name, 0.5, friction=friction))
                         for name, friction in (("b", 0.3), ("c", 0.0)))
-    refused("friction 0.3, 0.5; expected one friction", analysis.analyse, [run, slippery])
+    refused("friction = 0.3, 0.5; expected one value", analysis.analyse, [run, slippery])
     refused("friction = 0", analysis.analyse, [smooth])
     packing(0.3).save(tmp_path / "a" / "network-0.5000.h5")
     refused("eta = 0.3, 0.5; expected one", lambda: analysis.analyse([Run.read(tmp_path / "a")]))

@@ -167,7 +167,7 @@ def test_script_refuses_bad_input(case, folders, tmp_path):
         (bad / "network-0.1.h5").write_text("no HDF5")
     if case == "mixed":
         packing(0.3, friction=0.2).save(bad / "network-0.1.h5")
-    says = "friction 0.2, 0.5" if case == "mixed" else str(bad)
+    says = "friction = 0.2, 0.5" if case == "mixed" else str(bad)
     assert_refused(says, folders[0], bad, "--out", new)
     assert not new.exists()
 

@@ -11,6 +11,8 @@ from rcr.xi_networks import XiNetworks
 class Ensemble:
     """Contacts between grains of snapshots of the same elongation and friction.
 
+    A ValueError says that there is no snapshot, or that they differ, or have no friction.
+
     Attributes
     ----------
     eta, friction : floats [-]
@@ -32,11 +34,6 @@ class Ensemble:
         Position of the contact between the left (0) and the right side (1) of its snapshot [-].
     stress_angle : float
         Mean θσ, in [0, π) [rad].
-
-    Raises
-    ------
-    ValueError
-        If there is no snapshot, or they differ in elongation or friction, or have no friction.
     """
 
     def __init__(self, networks):
@@ -46,12 +43,7 @@ class Ensemble:
         if strange:
             raise ValueError(
                 f"{strange[0]!r:.60} is not a network; expected a result of rcr.Network.load")
-        for name in ("eta", "friction"):
-            found = sorted({float(n.attributes.get(name, np.nan)) for n in networks})
-            if len(found) > 1 or not np.isfinite(found[0]):
-                listed = ", ".join(f"{v:g}" for v in found)
-                raise ValueError(f"the snapshots have {name} = {listed}; expected one value")
-            setattr(self, name, found[0])
+        self.eta, self.friction = (common_value(networks, name) for name in ("eta", "friction"))
         self._networks = list(networks)
         parts = [_contacts(network) for network in networks]
         for name in parts[0]:
@@ -70,6 +62,15 @@ class Ensemble:
     def xi_networks(self):
         """Partial sums of the cumulated contacts; see `XiNetworks`."""
         return XiNetworks(self.theta, self.ln + 1j * self.lt, self.fn + 1j * self.ft, self.fn)
+
+
+def common_value(networks, name):
+    """Return an attribute that the networks share; a ValueError reports several values or none."""
+    found = sorted({float(network.attributes.get(name, np.nan)) for network in networks})
+    if len(found) > 1 or not np.isfinite(found[0]):
+        listed = ", ".join(f"{value:g}" for value in found)
+        raise ValueError(f"the networks have {name} = {listed}; expected one value")
+    return found[0]
 
 
 def _contacts(network):

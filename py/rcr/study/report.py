@@ -31,6 +31,12 @@ small { color: #666 } figure { margin: 2em 0 }
 img { max-width: 100%; height: auto } img.curve { max-height: 34em }
 </style></head><body>
 """
+FEWEST = 1000  # grains from which on the verdicts of the table mean something
+_SMALL = (f"These tests have fewer than {FEWEST} grains. The figures show what the study measures, "
+          "but the verdicts below are grey: chance and walls decide many of them. ")
+_RULE = ("A value agrees within its tolerance or two standard errors. A trend must exceed two "
+         "standard errors. Errors belong to the mean over seeds, or over snapshots of fewer than "
+         "three seeds. The small print under each statement is its criterion.")
 _TITLES = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 
@@ -81,7 +87,6 @@ def _map_networks(runs):
             run = runs[etas.index(eta)]
             network = run.isotropic if key == "O2" else run.networks[-1]
             if network is not None:
-                network.attributes["eta"] = eta
                 yield key, network
 
 
@@ -101,20 +106,6 @@ def _page(runs, analysis, table, pictures):
     return "\n".join([*parts, f"<p><small>yade-rcr {__version__}</small></p></body></html>\n"])
 
 
-FEWEST = 1000  # grains from which on the verdicts of the table mean something
-
-_SMALL = (
-    f"These tests have fewer than {FEWEST} grains. The figures show what the study measures, but "
-    "the verdicts below are grey: chance and walls decide many of them. "
-)
-
-_RULE = (
-    "A value agrees within its tolerance or two standard errors. A trend must exceed two standard "
-    "errors. Errors are those over seeds, or over networks with fewer than three seeds. "
-    "The small print under each statement is its criterion."
-)
-
-
 def summary(table):
     """Return the number of statements that agree, as a sentence."""
     count = {verdict: sum(row.verdict == verdict for row in table) for verdict in _CLASS}
@@ -127,10 +118,8 @@ def _material(runs, analysis):
     value = analysis["O1"]["value"]
     strains = [float(network.attributes["strain"]) for run in runs for network in run.networks]
     columns = ("eta", "particles", "seeds", "snapshots", "contacts")
-    listed = "; ".join(
-        f"η = {eta:g}: {n:.0f} particles, {seeds} seed(s), {s} snapshots, {c} contacts"
-        for eta, n, seeds, s, c in zip(*(value[name] for name in columns))
-    )
+    form = "η = {:g}: {:.0f} particles, {} seed(s), {} snapshots, {} contacts"
+    listed = "; ".join(form.format(*row) for row in zip(*(value[name] for name in columns)))
     window = f"{min(strains):.3f} to {max(strains):.3f}"
     state = f"Critical state: snapshots at strains from {window}. {listed}."
     return " ".join([state, _drifts(analysis), _boxes(runs), unconverged_steps(runs),
@@ -154,10 +143,8 @@ def _boxes(runs):
     if not rows:
         return "No summary.json has the shape of the box."
     widths, inertia = zip(*rows)
-    return (
-        f"At the end the boxes are {min(widths):.1f} to {max(widths):.1f} times as wide as high, "
-        f"and ρ (ε̇ W)² is at most {max(inertia):.1g} of σ₀."
-    )
+    return (f"At the end the boxes are {min(widths):.1f} to {max(widths):.1f} times as wide as "
+            f"high, and ρ (ε̇ W)² is at most {max(inertia):.1g} of σ₀.")
 
 
 def cost(runs):
@@ -166,11 +153,9 @@ def cost(runs):
     if not rows:
         return "No summary.json has the cost of its test."
     seconds, memory = zip(*rows)
-    return (
-        f"The tests took {sum(seconds) / 60:.1f} min of wall time in all and "
-        f"{max(seconds) / 60:.1f} min the longest one; "
-        f"their largest memory was {max(memory) / 2**30:.2f} GiB."
-    )
+    return (f"The tests took {sum(seconds) / 60:.1f} min of wall time in all and "
+            f"{max(seconds) / 60:.1f} min the longest one; their largest memory was "
+            f"{max(memory) / 2**30:.2f} GiB.")
 
 
 def _of_summaries(runs, *names):
@@ -240,8 +225,7 @@ def _image(path):
     kind, data, media = "curve", path.read_bytes(), "png"
     if "-" in path.stem:
         kind, media, stream = "map", "webp", io.BytesIO()
-        with Image.open(path) as image:
-            image.convert("RGB").save(stream, "webp", quality=80)
+        Image.open(path).convert("RGB").save(stream, "webp", quality=80)
         data = stream.getvalue()
     source = f"data:image/{media};base64,{base64.b64encode(data).decode()}"
     return f"<img class='{kind}' alt='{path.stem}' src='{source}'>"

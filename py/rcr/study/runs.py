@@ -13,6 +13,7 @@ import numpy as np
 
 from rcr._data import checks, files, results
 from rcr.network import Network
+from rcr.study.ensemble import common_value
 from rcr.study.protocol import HALF_RECORD, critical_start, is_critical
 
 _TWO_RUNS = "the folder mixes two runs; remove the files of one"
@@ -62,7 +63,7 @@ class Run:
         folder = pathlib.Path(files.path_of("the folder", folder))
         networks, isotropic = _networks(folder)
         record = results.read(folder)
-        _check_one_run(networks | isotropic, record)
+        _check_one_run(networks, isotropic, record)
         ordered = sorted(networks.values(), key=_strain)
         to_strain = np.inf if to_strain is None else checks.number("to_strain", to_strain)
         if from_strain is None:
@@ -100,8 +101,7 @@ class Run:
             raise ValueError(
                 f"{self.folder}: every record at a strain {window}, or that of every network, has "
                 "a step without a solution; include them with --include-yielded, or run the test "
-                "with more --iterations or a smaller --time-step"
-            )
+                "with more --iterations or a smaller --time-step")
 
     def _check_history(self):
         """Raise ValueError if the history ends before the snapshots of the critical state."""
@@ -145,27 +145,26 @@ def _strain(network):
     return float(network.attributes["strain"])
 
 
-def _check_one_run(networks, record):
+def _check_one_run(snapshots, isotropic, record):
     """Raise ValueError unless all networks, by path, belong to one run."""
+    networks = snapshots | isotropic
     for path, network in networks.items():
         _check_network(path, network, record)
-    snapshots = [item for item in networks.items() if item[0].name != "isotropic.h5"]
-    first_path, first = snapshots[0]
-    for name, equal in dict(eta=networks.items(), friction=snapshots).items():
-        found = sorted({float(network.attributes[name]) for _, network in equal})
-        if len(found) > 1:
-            listed = ", ".join(f"{value:g}" for value in found)
-            given = f"the networks in {first_path.parent} have {name} = {listed}"
-            raise ValueError(f"{given}; expected one value: {_TWO_RUNS}")
+    first_path, first = next(iter(snapshots.items()))
+    for name, equal in dict(eta=networks, friction=snapshots).items():
+        try:
+            common_value(equal.values(), name)
+        except ValueError as error:
+            raise ValueError(f"{first_path.parent}: {error}: {_TWO_RUNS}") from None
     for path, network in networks.items():
         pairs = ((network.particles[name], first.particles[name]) for name in ("id", "R", "mass"))
         if not all(np.array_equal(*pair) for pair in pairs):
             raise ValueError(f"{path} and {first_path.name} hold different grains: {_TWO_RUNS}")
     paths = {}  # by strain
-    for path, network in snapshots:
-        if paths.setdefault(_strain(network), path) != path:
-            other = paths[_strain(network)].name
-            raise ValueError(f"{path} and {other} have the same strain: {_TWO_RUNS}")
+    for path, network in snapshots.items():
+        other = paths.setdefault(_strain(network), path)
+        if other != path:
+            raise ValueError(f"{path} and {other.name} have the same strain: {_TWO_RUNS}")
 
 
 def _check_network(path, network, record):
@@ -173,22 +172,19 @@ def _check_network(path, network, record):
     attributes = network.attributes
     for name in ("strain", "eta", "friction", "volume"):
         if name not in attributes:
-            expected = "strain, eta, friction and volume, as scripts/biaxial.py stores them"
-            raise ValueError(
-                f"{path} is a network without the attribute {name}; expected {expected}")
+            raise ValueError(f"{path} is a network without the attribute {name}; expected strain, "
+                             "eta, friction and volume, as scripts/biaxial.py stores them")
     found = (network.particles["half_length"] / network.particles["R"]).max(initial=0)
     if found > attributes["eta"] + 1e-6:
-        given = f"{path} has eta = {attributes['eta']:g} and a grain with half_length/R = {found:g}"
-        raise ValueError(f"{given}; expected at most eta: correct the attribute")
+        raise ValueError(f"{path} has eta = {attributes['eta']:g} and a grain with half_length/R = "
+                         f"{found:g}; expected at most eta: correct the attribute")
     if not record:
         return
-    for name in ("eta", "seed"):
-        recorded = record["parameters"].get(name, attributes.get(name))
-        if attributes.get(name) != recorded:
-            given = f"{path} has {name} = {attributes.get(name)}"
-            raise ValueError(f"{given}, {path.parent / results.RUN} {recorded}: {_TWO_RUNS}")
-    if attributes.get("run", record["run"]) != record["run"]:
-        raise ValueError(f"{path} and {path.parent / results.RUN} have different runs: {_TWO_RUNS}")
+    known, where = record["parameters"] | dict(run=record["run"]), path.parent / results.RUN
+    for name in ("eta", "seed", "run"):
+        given = attributes.get(name, record["run"] if name == "run" else None)
+        if name in known and given != known[name]:
+            raise ValueError(f"{path} has {name} = {given}, {where} {known[name]}: {_TWO_RUNS}")
 
 
 def _history(path):
@@ -223,11 +219,7 @@ def by_elongation(runs):
     A ValueError reports runs that differ in friction, a run that is given twice, and runs of one
     elongation that differ in more than their seed.
     """
-    networks = [network for run in runs for network in run.networks]
-    frictions = sorted({float(network.attributes["friction"]) for network in networks})
-    if len(frictions) > 1:
-        listed = ", ".join(f"{v:g}" for v in frictions)
-        raise ValueError(f"the networks have friction {listed}; expected one friction for all")
+    common_value([network for run in runs for network in run.networks], "friction")
     groups = group_by_eta(runs)
     for group in groups.values():
         _check_seeds(group)
@@ -244,21 +236,16 @@ def _check_seeds(runs):
     for one, two in itertools.combinations(runs, 2):
         if os.path.realpath(one.folder) == os.path.realpath(two.folder):
             raise ValueError(f"{two.folder} is given twice; expected every run once")
-        if _are_one_packing(one.networks, two.networks):
-            given = f"{two.folder} and {one.folder} hold networks of the same packing"
-            raise ValueError(f"{given}; expected packings of different seeds: leave one out")
+        positions = [[n.particles["position"] for n in run.networks] for run in (one, two)]
+        if any(itertools.starmap(np.array_equal, itertools.product(*positions))):
+            raise ValueError(f"{two.folder} and {one.folder} hold networks of the same packing; "
+                             "expected packings of different seeds: leave one out")
         if not (one.record and two.record):
             continue
         if one.record["run"] == two.record["run"]:
-            given = f"{two.folder} and {one.folder} hold the same run"
-            raise ValueError(f"{given}; expected runs of different seeds")
+            raise ValueError(f"{two.folder} and {one.folder} hold the same run; "
+                             "expected runs of different seeds")
         different = results.differing(one.record["parameters"], two.record["parameters"], _FREE)
         if different:
             given = f"{one.folder} has {different.replace('(here ', f'({two.folder} ')}"
             raise ValueError(f"{given}; expected runs that differ in their seed alone")
-
-
-def _are_one_packing(one, two):
-    """Return whether two lists of networks share the positions of grains at one strain."""
-    return any(np.array_equal(a.particles["position"], b.particles["position"])
-               for a in one for b in two)

@@ -25,37 +25,26 @@ from rcr.study.figures.polar import (
 )  # fmt: skip
 
 
+def _plain(*plots, legend=True, projection=None):
+    """Return a function that makes a figure of one plot, or of two, the first in a projection."""
+
+    def figure(value, analysis):
+        size = (COLUMN, 0.95 * COLUMN) if len(plots) == 1 else (PAGE, 0.45 * PAGE)
+        fig = Figure(figsize=size, layout="constrained")
+        axes = [plot(value, fig.add_subplot(1, len(plots), k, projection=shape))
+                for k, (plot, shape) in enumerate(zip(plots, (projection, None)), 1)]
+        if len(plots) > 1:
+            _letters(axes)
+        if legend:
+            eta_legend(fig, axes[0])
+        return fig
+
+    return figure
+
+
 def _letters(axes):
-    """Number axes by letters."""
     for letter, ax in zip("abcd", axes):
         ax.set_title(f"({letter})", loc="left", fontsize=9)
-
-
-def _one(plot, of_eta=True):
-    """Return a function that makes a figure of one plot."""
-
-    def figure(value, analysis):
-        fig = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
-        ax = plot(value, fig.add_subplot())
-        if of_eta:
-            eta_legend(fig, ax)
-        return fig
-
-    return figure
-
-
-def _two(first, second, projection=None):
-    """Return a function that makes a figure of two plots, the first one in a projection."""
-
-    def figure(value, analysis):
-        fig = Figure(figsize=(PAGE, 0.45 * PAGE), layout="constrained")
-        axes = [first(value, fig.add_subplot(1, 2, 1, projection=projection)),
-                second(value, fig.add_subplot(1, 2, 2))]
-        _letters(axes)
-        eta_legend(fig, axes[0])
-        return fig
-
-    return figure
 
 
 def _four(vector, symbol):
@@ -96,22 +85,22 @@ def _polar(value, analysis):
 
 
 FIGURES = dict(
-    O1=_two(plot_strain, plot_strength),
-    O2=_two(plot_isotropy, plot_coordination, "polar"),
-    O3=_two(plot_force_tail, plot_force_power),
-    O4=_two(partial(plot_force_tail, suffix="t"), partial(plot_force_power, suffix="t")),
-    O5=_one(plot_mobilization, of_eta=False),
-    O6=_two(plot_strips, partial(plot_strips, name="strip_stress", symbol=r"\sigma_{xx}")),
-    O7=_one(plot_mobilization_by_force),
-    O8=_one(plot_mobilization_pdf),
-    O10=_one(plot_length_pdf),
-    O12=_one(plot_correlation, of_eta=False),
-    O13=_two(plot_force_by_length, partial(plot_force_by_length, length="l")),
+    O1=_plain(plot_strain, plot_strength),
+    O2=_plain(plot_isotropy, plot_coordination, projection="polar"),
+    O3=_plain(plot_force_tail, plot_force_power),
+    O4=_plain(partial(plot_force_tail, suffix="t"), partial(plot_force_power, suffix="t")),
+    O5=_plain(plot_mobilization, legend=False),
+    O6=_plain(plot_strips, partial(plot_strips, name="strip_stress", symbol=r"\sigma_{xx}")),
+    O7=_plain(plot_mobilization_by_force),
+    O8=_plain(plot_mobilization_pdf),
+    O10=_plain(plot_length_pdf),
+    O12=_plain(plot_correlation, legend=False),
+    O13=_plain(plot_force_by_length, partial(plot_force_by_length, length="l")),
     O14=_polar,
-    O15=_one(lambda value, ax: plot_xi(value, "a_c", r"$a_c(\xi)$", ax)),
+    O15=_plain(lambda value, ax: plot_xi(value, "a_c", r"$a_c(\xi)$", ax)),
     O16=_four("l", r"\ell"),
     O17=_four("f", "f"),
-    O18=_one(plot_shear_stress),
+    O18=_plain(plot_shear_stress),
 )
 
 

@@ -93,26 +93,15 @@ def plot_types(network, ax=None):
     return ax
 
 
-def _force_keys():
-    keys = [Line2D([], [], color=STRONG, lw=2), Line2D([], [], color=WEAK, lw=1)]
-    return keys, [r"$f_n > \langle f_n\rangle$", r"$f_n < \langle f_n\rangle$"]
-
-
-def _mobilization_keys():
-    keys, labels = _force_keys()
-    disc = Line2D([], [], ls="", marker="o", ms=5, mfc=MOBILIZED, mec="0.3", mew=0.5)
-    return [*keys, disc], [*labels, r"diameter $\propto I_m$"]
-
-
-def _type_keys():
-    return [Line2D([], [], color=tint, lw=2) for tint in TYPES.values()], list(TYPES)
-
-
-MAPS = dict(  # observable: (plot, keys of its legend or None, scale of orientations or not)
-    O2=(plot_packing, None, True),
-    O6=(plot_mobilization, _mobilization_keys, False),
-    O9=(plot_nematic, _force_keys, True),
-    O11=(plot_types, _type_keys, False),
+_FORCES = [dict(color=STRONG, lw=2, label=r"$f_n > \langle f_n\rangle$"),
+           dict(color=WEAK, lw=1, label=r"$f_n < \langle f_n\rangle$")]
+_DISC = dict(ls="", marker="o", ms=5, mfc=MOBILIZED, mec="0.3", mew=0.5,
+             label=r"diameter $\propto I_m$")
+MAPS = dict(  # observable: (plot, lines of its legend, scale of orientations or not)
+    O2=(plot_packing, [], True),
+    O6=(plot_mobilization, [*_FORCES, _DISC], False),
+    O9=(plot_nematic, _FORCES, True),
+    O11=(plot_types, [dict(color=tint, lw=2, label=name) for name, tint in TYPES.items()], False),
 )
 
 
@@ -133,7 +122,6 @@ def draw(observable, network):
             figure.text(
                 0.59, 0.31 / height, "long axis from $x$ [°]", ha="right", va="center", fontsize=8)
         if keys:
-            figure.legend(
-                *keys(), loc="center left", bbox_to_anchor=(0.09, 0.2 / height), ncol=3, fontsize=8
-            )
+            figure.legend(handles=[Line2D([], [], **key) for key in keys], loc="center left",
+                          bbox_to_anchor=(0.09, 0.2 / height), ncol=3, fontsize=8)
         return figure

@@ -52,6 +52,5 @@ def legend_outside(figure, ax, place, columns, **options):
 
     Matplotlib before 3.7 draws it over the axes.
     """
-    old = matplotlib.__version_info__ < (3, 7)
-    loc = place if old else f"outside {place}"
+    loc = place if matplotlib.__version_info__ < (3, 7) else f"outside {place}"
     figure.legend(*ax.get_legend_handles_labels(), loc=loc, ncol=columns, **options)
