@@ -1,8 +1,8 @@
 """Runs checks beyond the default tests, and prints a table.
 
-A check is a function that returns a verdict (True, False, or None if it cannot run) and a line
-about it. Builds are in build/check/NAME, logs in build/check/NAME.log. `--record` adds the rows to
-docs/measurements/checks.csv.
+A check is a function of its name and arguments. It returns a verdict (True, False, or None if it
+cannot run) and a line about it. Builds are in build/check/NAME, logs in build/check/NAME.log.
+`--record` adds the rows to docs/measurements/checks.csv.
 """
 
 import argparse
@@ -14,7 +14,6 @@ import re
 import subprocess
 import sys
 import time
-from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -22,11 +21,8 @@ FOLDER = ROOT / "build" / "check"
 TESTS = "tests/kernel"
 PYTEST = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
 WITHOUT_YADE = [f"--confcutdir={TESTS}"]
-SOAK, FUZZER, RUNS, SYMMETRIES, LARGE = (
-    f"tests/endurance/{name}.py"
-    for name in ("soak", "scene_fuzzer", "run_fuzzer", "symmetries", "large"))
+SOAK, FUZZER = "tests/endurance/soak.py", "tests/endurance/scene_fuzzer.py"
 RECORD = ROOT / "docs" / "measurements" / "checks.csv"
-COLUMNS = ["date", "commit", "check", "options", "verdict", "seconds", "what"]
 
 # Tests that need address spaces, threads or processes without a sanitizer.
 LEFT_OUT = {"asan": ["fewer_threads"], "ubsan": [], "tsan": ["forked", "million"]}
@@ -140,115 +136,98 @@ def sanitize_kernels(name, arguments):
     return sanitize(name, [[*PYTEST, *WITHOUT_YADE, TESTS, *arguments, *left_out]])
 
 
-def sanitize_plugin(arguments):
+def sanitize_plugin(name, arguments):
     """Soak, scene fuzzer and the smallest case of a pair that grows within a step.
 
     The sanitizer delays the release of memory, so its growth is not bounded.
     """
-    return sanitize("plugin-asan", [
+    return sanitize(name, [
         [*PYTEST, "-p", "no:warnings", "tests/yade/law/test_growing_pair.py"],
         [sys.executable, FUZZER, "--scenes", "300"],
         [sys.executable, SOAK, "--growth", "inf", *(arguments or ["--minutes", "5"])],
     ], plugin=True)
 
 
-def sanitize_session(arguments):
+def sanitize_session(name, arguments):
     """A session whose threads read and set the engine while it runs."""
     tests = "tests/yade/run/test_arrays.py", "-k", "during_a_run or pause"
-    command = [*PYTEST, "-p", "no:warnings", *tests, *arguments]
-    return sanitize("plugin-tsan", [command], plugin=True)
+    return sanitize(name, [[*PYTEST, "-p", "no:warnings", *tests, *arguments]], plugin=True)
 
 
 def script(name, *command):
     """Run a script; its exit code is the verdict, its last line the line of the check."""
     log = FOLDER / f"{name}.log"
-    code = run([str(part) for part in command], log, cwd=ROOT)
+    code = run(command, log, cwd=ROOT)
     return code == 0, last_line(log) + ("" if code == 0 else f"; see {log.relative_to(ROOT)}")
 
 
-def damage(arguments):
+def damage(name, arguments):
     """Tests of the readers with twenty times as many damaged files, with their counts."""
     command = ["env", "RCR_DAMAGE=20", *PYTEST, "tests/python/files/test_damaged_files.py"]
-    right, about = script("damage", *command, *arguments)
-    lines = (FOLDER / "damage.log").read_text().splitlines()
-    counts = [line for line in lines if line.startswith("damaged files: ")]
+    right, about = script(name, *command, *arguments)
+    counts = re.findall(r"^damaged files: .*$", (FOLDER / f"{name}.log").read_text(), re.M)
     return right, "; ".join([*counts, about])
 
 
-def properties(arguments):
+def properties(name, arguments):
     """Property tests, each with a thousand new examples."""
     options = ["-m", "hypothesis", "--hypothesis-profile=long", "--hypothesis-show-statistics"]
-    right, about = script("properties", *PYTEST, *options, *arguments)
-    counts = re.findall(r"(\d+) passing examples", (FOLDER / "properties.log").read_text())
+    right, about = script(name, *PYTEST, *options, *arguments)
+    counts = re.findall(r"(\d+) passing examples", (FOLDER / f"{name}.log").read_text())
     return right, f"{sum(map(int, counts))} examples; {about}"
 
 
-def python(name, file, *defaults):
+def python(file, *defaults):
     """A check that runs a Python file."""
-    return lambda arguments: script(name, sys.executable, file, *(arguments or defaults))
+    return lambda name, arguments: script(name, sys.executable, file, *(arguments or defaults))
 
 
-def before(name):
+def before(name, arguments):
     """Result of a check that scripts/check has run; exit code 77: it cannot run here."""
     log = FOLDER / f"check-{name}.log"
     right = {"0": True, "77": None}.get(os.environ[f"YADE_RCR_CHECK_{name.upper()}"], False)
     return right, last_line(log) + (f"; see {log.relative_to(ROOT)}" if right is False else "")
 
 
-def driven(arguments):
+def driven(name, arguments):
     """Random driven scenes."""
     options = arguments or ["--count", "200", "--out", str(FOLDER / "driven.csv")]
-    return script("driven", "scripts/yade-rcr", "-n", "-x", "benchmarks/driven_scenes.py", *options)
+    return script(name, "scripts/yade-rcr", "-n", "-x", "benchmarks/driven_scenes.py", *options)
 
 
-KILLS = "writes", "1000", "runs", "50", "campaigns", "5"
 CHECKS = {
-    "slow": (lambda arguments: script("slow", *PYTEST, "-m", "slow", *arguments), "slow tests"),
-    "asan": (partial(sanitize_kernels, "asan"),
-             "kernel tests under AddressSanitizer, with bounds checks"),
-    "ubsan": (partial(sanitize_kernels, "ubsan"), "kernel tests under UndefinedBehaviorSanitizer"),
-    "tsan": (partial(sanitize_kernels, "tsan"), "kernel tests under ThreadSanitizer"),
+    "slow": (lambda name, arguments: script(name, *PYTEST, "-m", "slow", *arguments), "slow tests"),
+    "asan": (sanitize_kernels, "kernel tests under AddressSanitizer, with bounds checks"),
+    "ubsan": (sanitize_kernels, "kernel tests under UndefinedBehaviorSanitizer"),
+    "tsan": (sanitize_kernels, "kernel tests under ThreadSanitizer"),
     "plugin-asan": (sanitize_plugin, "soak and scenes in YADE under AddressSanitizer and "
                     "UndefinedBehaviorSanitizer, with bounds checks"),
     "plugin-tsan": (sanitize_session, "a session in YADE under ThreadSanitizer"),
-    "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments),
+    "mutants": (lambda name, arguments: importlib.import_module("mutants").run(arguments),
                 "kernel tests against kernels with one error each"),
-    "scenes": (python("scenes", FUZZER, "--scenes", "2000"),
+    "scenes": (python(FUZZER, "--scenes", "2000"),
                "random scenes: each keeps its bounds or is rejected before the first step"),
-    "runs": (python("runs", RUNS, "--scenes", "1000"),
+    "runs": (python("tests/endurance/run_fuzzer.py", "--scenes", "1000"),
              "random runs with changes by PyRunners: arrays give the bits of engines"),
-    "symmetries": (python("symmetries", SYMMETRIES, "--scenes", "3000"),
+    "symmetries": (python("tests/endurance/symmetries.py", "--scenes", "3000"),
                    "random small scenes: steps commute with mirrors, turns, shifts, orders and "
                    "units"),
-    "soak": (python("soak", SOAK), "random scenes with repeated changes; memory stays constant"),
+    "soak": (python(SOAK), "random scenes with repeated changes; memory stays constant"),
     "driven": (driven, "random driven scenes, rigid contacts against springs"),
-    "large": (python("large", LARGE), "2^20 separate grains, 10^5 grains in a pile"),
-    "kills": (python("kills", "tests/endurance/kills.py", *KILLS),
+    "large": (python("tests/endurance/large.py"), "2^20 separate grains, 10^5 grains in a pile"),
+    "kills": (python("tests/endurance/kills.py", *"writes 1000 runs 50 campaigns 5".split()),
               "writes, runs and campaigns killed at random moments"),
     "damage": (damage, "twenty times as many damaged files: each is read or rejected in one line"),
     "properties": (properties, "property tests, a thousand new inputs each"),
-    "tidy": (lambda arguments: before("tidy"), "clang-tidy on the kernels"),
-    "coverage": (lambda arguments: before("coverage"),
-                 "line coverage of the kernels by their tests"),
-    "docs": (python("docs", "docs/build.py"), "site of the pages, without warnings"),
-    "slurm": (lambda arguments: before("slurm"),
-              "campaign on SLURM with a cancelled job; results equal those of a local campaign"),
-    "deb": (lambda arguments: before("deb"),
-            "Debian package: installed in a clean Debian 13, used by plain yade, removed "
+    "tidy": (before, "clang-tidy on the kernels"),
+    "coverage": (before, "line coverage of the kernels by their tests"),
+    "docs": (python("docs/build.py"), "site of the pages, without warnings"),
+    "slurm": (before, "campaign on SLURM with a cancelled job; results equal those of a local "
+              "campaign"),
+    "deb": (before, "Debian package: installed in a clean Debian 13, used by plain yade, removed "
             "completely"),
 }
 VERDICTS = {True: "clean", False: "FAILS", None: "left out"}
-
-
-def record(rows):
-    """Add rows to checks.csv."""
-    RECORD.parent.mkdir(parents=True, exist_ok=True)
-    new = not RECORD.exists()
-    with open(RECORD, "a", newline="") as file:
-        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if new:
-            table.writeheader()
-        table.writerows(rows)
 
 
 def options():
@@ -279,18 +258,18 @@ def main():
         print(f"check: {name}: {CHECKS[name][1]} …", file=sys.stderr, flush=True)
         (FOLDER / f"{name}.log").unlink(missing_ok=True)
         start = time.monotonic()
-        right, about = CHECKS[name][0](passed)
+        right, about = CHECKS[name][0](name, passed)
         seconds = f"{time.monotonic() - start:.0f}"
         now, commit = datetime.date.today().isoformat(), os.environ.get("YADE_RCR_COMMIT", "")
-        rows.append(dict(date=now, commit=commit, check=name, options=" ".join(passed),
-                         verdict=VERDICTS[right], seconds=seconds, what=about))
-        if is_recorded:
-            record(rows[-1:])
-    shown = [[row["check"], row["verdict"], f"{row['seconds']} s", row["what"]] for row in rows]
-    width = [max(len(row[k]) for row in shown) for k in range(3)]
-    for row in shown:
-        print("  ".join([*(cell.ljust(w) for cell, w in zip(row, width)), row[3]]))
-    sys.exit(any(row["verdict"] == VERDICTS[False] for row in rows))
+        rows.append([name, VERDICTS[right], f"{seconds} s", about])
+        if is_recorded:  # columns: see the first line of the file
+            with open(RECORD, "a", newline="") as file:
+                row = now, commit, name, " ".join(passed), VERDICTS[right], seconds, about
+                csv.writer(file, lineterminator="\n").writerow(row)
+    width = [max(map(len, column)) for column in zip(*rows)]
+    for row in rows:
+        print("  ".join(cell.ljust(w) for cell, w in zip(row, width)).rstrip())
+    sys.exit(any(row[1] == VERDICTS[False] for row in rows))
 
 
 if __name__ == "__main__":
