@@ -9,7 +9,6 @@ angle, standard deviation in time).
 """
 
 import math
-import os
 import random
 
 import matplotlib.pyplot as plt
@@ -86,16 +85,15 @@ found = []
 for eta in ETAS:
     start(eta)
     complete = rcr.advance(round(SECONDS / O.dt), f"η = {eta}")
-    rcr.snapshot(os.path.join(options.out, f"slope-{eta}.png"),
-                 limits=((0, -2 * R), (LENGTH, 0.85 * LENGTH)))
+    rcr.snapshot(options.out / f"slope-{eta}.png", limits=((0, -2 * R), (LENGTH, 0.85 * LENGTH)))
     if not complete:
         break
     found.append((eta, np.mean(angles), np.std(angles)))
     print(f"eta = {eta}: slope {found[-1][1]:.1f}°, standard deviation {found[-1][2]:.1f}°")
 
-np.savetxt(os.path.join(options.out, "angle_of_repose.csv"), np.reshape(found, (-1, 3)),
+np.savetxt(options.out / "angle_of_repose.csv", np.reshape(found, (-1, 3)),
            delimiter=",", header="eta,angle,deviation", comments="", fmt="%g")
 fig, ax = plt.subplots(figsize=(4, 3), layout="constrained")
 ax.errorbar(*np.reshape(found, (-1, 3)).T, fmt="o-", capsize=3)
 ax.set(xlabel=r"elongation $\eta$", ylabel="angle of repose [°]", ylim=(0, None))
-fig.savefig(os.path.join(options.out, "angle_of_repose.png"), dpi=150)
+fig.savefig(options.out / "angle_of_repose.png", dpi=150)

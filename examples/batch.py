@@ -11,9 +11,7 @@ Each run writes DIR/eta-E-mu-M.txt (root mean square of x against time) and DIR/
 (last state). DIR/batch.png and DIR/batch.csv hold the results of all finished runs.
 """
 
-import glob
 import math
-import os
 import random
 
 import numpy as np
@@ -60,14 +58,14 @@ def record():
 rcr.advance(round(seconds / O.dt), "collapse")
 
 # atomic writes, because several jobs write and read at the same time
-name = os.path.join(options.out, f"eta-{eta}-mu-{mu}")
-with script.atomic_path(name + ".txt") as path:
+name = f"eta-{eta}-mu-{mu}"
+with script.atomic_path(options.out / f"{name}.txt") as path:
     plot.saveDataTxt(path)
-O.save(name + ".yade", quiet=True)
+O.save(str(options.out / f"{name}.yade"), quiet=True)
 
 
 def finished():
-    return sorted(glob.glob(os.path.join(options.out, "eta-*.txt")))
+    return sorted(options.out.glob("eta-*.txt"))
 
 
 def draw_runs(paths):
@@ -77,14 +75,14 @@ def draw_runs(paths):
     ax = figure.add_subplot()
     for path in paths:
         run = np.genfromtxt(path, names=True)
-        _, e, _, m = os.path.basename(path).removesuffix(".txt").split("-")
+        _, e, _, m = path.stem.split("-")
         rows.append((float(e), float(m), run["width"][-1] / run["width"][0]))
         ax.plot(run["t"], run["width"] / run["width"][0], label=f"$\\eta$ = {e}, $\\mu$ = {m}")
     ax.set(xlabel="time [s]", ylabel="rms of x over that of the column")
     ax.legend(fontsize=7)
-    with script.atomic_path(os.path.join(options.out, "batch.png")) as path:
+    with script.atomic_path(options.out / "batch.png") as path:
         figure.savefig(path, dpi=150)
-    with script.atomic_path(os.path.join(options.out, "batch.csv")) as path:
+    with script.atomic_path(options.out / "batch.csv") as path:
         np.savetxt(path, rows, delimiter=",", header="eta,mu,runout", comments="", fmt="%g")
 
 

@@ -8,7 +8,6 @@ Writes DIR/dominoes.png (four times), DIR/wave.png and DIR/wave.csv (time of eac
 """
 
 import math
-import os
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -65,12 +64,12 @@ for shot, ax in enumerate(figure.subplots(4, 1)):
     rcr.plot.packing(ax=ax, color="shape",
                      limits=((-HEIGHT, 0), (COUNT * GAP + HEIGHT, 1.4 * HEIGHT)))
     ax.set_title(f"{O.time:.2f} s", loc="left", fontsize=8)
-figure.savefig(os.path.join(options.out, "dominoes.png"), dpi=150)
+figure.savefig(options.out / "dominoes.png", dpi=150)
 
 if len(fallen) < 4:
     raise SystemExit("stopped before the wave started")
 number, time = np.array(sorted(fallen.items())).T
-np.savetxt(os.path.join(options.out, "wave.csv"), np.column_stack([number * GAP, time]),
+np.savetxt(options.out / "wave.csv", np.column_stack([number * GAP, time]),
            delimiter=",", header="x,t", comments="", fmt="%g")
 late = slice(len(number) // 2, None)  # steady part
 line = np.polyfit(time[late], number[late] * GAP, 1)
@@ -81,6 +80,6 @@ ax.plot(time, number * GAP, "o", label="falls")
 ax.plot(time[late], np.polyval(line, time[late]), label=f"{speed:.2f} m/s")
 ax.set(xlabel="time [s]", ylabel="$x$ [m]")
 ax.legend()
-figure.savefig(os.path.join(options.out, "wave.png"), dpi=150)
+figure.savefig(options.out / "wave.png", dpi=150)
 print(f"{len(fallen)} of {COUNT} dominoes fall; the speed of the wave is {speed:.2f} m/s, "
       f"{speed / math.sqrt(9.81 * HEIGHT):.2f} √(g h)")

@@ -8,7 +8,6 @@ Writes DIR/drum.png, DIR/velocity.png (time average of the speed), and DIR/slope
 """
 
 import math
-import os
 import random
 
 import numpy as np
@@ -62,14 +61,14 @@ def record():
 
 rcr.advance(1200 if options.quick else 4000, "turning")
 t, slope = np.array([plot.data["t"], plot.data["slope"]])
-np.savetxt(os.path.join(options.out, "slope.csv"), np.column_stack([t, slope]), delimiter=",",
+np.savetxt(options.out / "slope.csv", np.column_stack([t, slope]), delimiter=",",
            header="t,slope", comments="", fmt="%g")
-rcr.snapshot(os.path.join(options.out, "drum.png"), color="speed")
+rcr.snapshot(options.out / "drum.png", color="speed")
 if O.time <= 1:
     raise SystemExit("stopped before the flow was steady")
 figure = Figure(figsize=(4, 3.2), layout="constrained")
 flow.plot(figure.add_subplot(), "speed").set_title(f"mean of {t[-1] - 1:.1f} s", fontsize=9)
-figure.savefig(os.path.join(options.out, "velocity.png"), dpi=150)
+figure.savefig(options.out / "velocity.png", dpi=150)
 late = slope[t > 1]
 print(f"{len(grains)} grains at {SPIN} rad/s: slope {late.mean():.1f}°, "
       f"standard deviation {late.std():.1f}°")

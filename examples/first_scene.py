@@ -7,7 +7,6 @@ Run it with YADE:  scripts/yade-rcr -n -x examples/first_scene.py
 Writes DIR/first_scene.png and DIR/grains.csv, one row per grain.
 """
 
-import os
 
 import numpy as np
 
@@ -34,10 +33,9 @@ O.dt = 1e-3  # [s], bounded by accuracy, not by a stiffness
 rcr.advance(300 if options.quick else 1000, "fall")
 
 network = rcr.contact_network()
-rcr.snapshot(os.path.join(options.out, "first_scene.png"), contacts="force")
+rcr.snapshot(options.out / "first_scene.png", contacts="force")
 grains = network.particles
 table = np.column_stack([grains["id"], grains["position"], grains["angle"]])
-np.savetxt(os.path.join(options.out, "grains.csv"), table, delimiter=",", header="id,x,y,angle",
-           comments="")
+np.savetxt(options.out / "grains.csv", table, delimiter=",", header="id,x,y,angle", comments="")
 print(f"{network.between_particles.sum()} contacts between {len(grains['id'])} grains, "
       f"{network.grain_coordination().mean():.2f} per grain including the floor")

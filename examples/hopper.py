@@ -9,7 +9,6 @@ fraction of the grains below the outlet).
 """
 
 import math
-import os
 import random
 
 import matplotlib.pyplot as plt
@@ -89,7 +88,7 @@ for eta in (0, 0.6):
     O.bodies.erase(gate)
     opened, recorder.dead = O.time, False
     complete = complete and rcr.advance(round(0.4 * SECONDS / O.dt), f"η = {eta}, discharge")
-    rcr.snapshot(os.path.join(options.out, f"hopper-{eta}.png"), color="speed", range=(0, 1),
+    rcr.snapshot(options.out / f"hopper-{eta}.png", color="speed", range=(0, 1),
                  cmap="Blues", contacts="force", limits=((-0.5 * TOP, -0.15), (0.5 * TOP, 0.5)))
     complete = complete and rcr.advance(round(0.6 * SECONDS / O.dt), f"η = {eta}, discharge")
     if not complete:
@@ -98,7 +97,7 @@ for eta in (0, 0.6):
 
 tables = [np.column_stack([np.full(len(curve[0]), eta), *curve]) for eta, curve in curves.items()]
 rows = np.vstack([np.empty((0, 3)), *tables])
-np.savetxt(os.path.join(options.out, "discharge.csv"), rows, delimiter=",", header="eta,t,out",
+np.savetxt(options.out / "discharge.csv", rows, delimiter=",", header="eta,t,out",
            comments="", fmt="%g")
 fig, ax = plt.subplots(figsize=(4, 3), layout="constrained")
 for eta, (t, out) in curves.items():
@@ -107,4 +106,4 @@ for eta, (t, out) in curves.items():
           f"the last one at {t[out.searchsorted(out[-1])]:.2f} s")
 ax.set(xlabel="time [s]", ylabel="fraction of the grains below the outlet")
 ax.legend()
-fig.savefig(os.path.join(options.out, "discharge.png"), dpi=150)
+fig.savefig(options.out / "discharge.png", dpi=150)

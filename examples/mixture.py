@@ -9,7 +9,6 @@ DIR/grains.csv, one row per grain.
 """
 
 import math
-import os
 import random
 
 import numpy as np
@@ -51,10 +50,10 @@ grains = network.particles
 pressure = 0.5 * np.einsum("naa->n", network.grain_stresses())
 contacts = network.grain_coordination()
 long = grains["half_length"] > 0
-rcr.snapshot(os.path.join(options.out, "mixture.png"), color="type", contacts="force")
-rcr.snapshot(os.path.join(options.out, "pressure.png"), color="pressure")
+rcr.snapshot(options.out / "mixture.png", color="type", contacts="force")
+rcr.snapshot(options.out / "pressure.png", color="pressure")
 table = np.column_stack([grains["id"], long, grains["position"], pressure, contacts])
-np.savetxt(os.path.join(options.out, "grains.csv"), table, delimiter=",",
+np.savetxt(options.out / "grains.csv", table, delimiter=",",
            header="id,long,x,y,pressure,contacts", comments="", fmt="%.10g")
 for name, pick in (("discs", ~long), ("long grains", long)):
     print(f"{pick.sum()} {name}: {contacts[pick].mean():.2f} contacts per grain, "

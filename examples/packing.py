@@ -8,7 +8,6 @@ Writes DIR/packing.png (orientations), DIR/forces.png (contact forces) and DIR/p
 """
 
 import math
-import os
 import random
 
 import rcr
@@ -16,8 +15,8 @@ from rcr import *
 from rcr import script
 
 options = script.options(__doc__)
-pictures = os.path.join(options.out, "film")
-os.makedirs(pictures, exist_ok=True)
+pictures = options.out / "film"
+pictures.mkdir(exist_ok=True)
 
 R = 0.01  # circumscribed radius of the largest grain [m]
 WIDE, HIGH, SECONDS = (5, 10, 0.8) if options.quick else (12, 28, 1.6)
@@ -46,12 +45,12 @@ O.engines = [
 O.dt = 1e-3
 
 steps = round(SECONDS / O.dt)
-picture = os.path.join(pictures, "{:05d}.png")
+picture = str(pictures / "{:05d}.png")
 view = ((0, 0), (LENGTH, 2.2 * R * HIGH))
 command = "rcr.snapshot(picture.format(O.iter), limits=view, legend=False, dpi=60)"
 O.engines += [PyRunner(command=command, iterPeriod=steps // 20, initRun=True)]
 rcr.advance(steps, "collapse")
 
-rcr.movie(pictures, os.path.join(options.out, "pile.gif"))
-print(rcr.snapshot(os.path.join(options.out, "packing.png")))
-print(rcr.snapshot(os.path.join(options.out, "forces.png"), color="#e8e4da", contacts="force"))
+rcr.movie(pictures, options.out / "pile.gif")
+print(rcr.snapshot(options.out / "packing.png"))
+print(rcr.snapshot(options.out / "forces.png", color="#e8e4da", contacts="force"))

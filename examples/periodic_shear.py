@@ -9,7 +9,6 @@ DIR/shear.csv.
 """
 
 import math
-import os
 import random
 
 import matplotlib.pyplot as plt
@@ -71,11 +70,11 @@ recorder.dead = False
 O.cell.velGrad = Matrix3(0, RATE, 0, 0, 0, 0, 0, 0, 0)
 complete = complete and rcr.advance(round(STRAIN / RATE / O.dt), "shear")
 
-rcr.snapshot(os.path.join(options.out, "cell.png"), contacts="force")
+rcr.snapshot(options.out / "cell.png", contacts="force")
 if not plot.data:
     raise SystemExit("stopped before the shear")
 data = {name: np.array(column) for name, column in plot.data.items()}
-np.savetxt(os.path.join(options.out, "shear.csv"), np.column_stack(list(data.values())),
+np.savetxt(options.out / "shear.csv", np.column_stack(list(data.values())),
            delimiter=",", header=",".join(data), comments="", fmt="%g")
 fig, (left, right) = plt.subplots(1, 2, figsize=(7, 2.8), layout="constrained")
 left.plot(data["strain"], data["shear"], label=r"$-\sigma_{xy}$")
@@ -86,10 +85,10 @@ right.plot(data["strain"], data["axis"], label="mean axis from $x$ [°]")
 right.plot(data["strain"], 100 * data["order"], label="order [%]")
 right.set(xlabel="shear strain")
 right.legend()
-fig.savefig(os.path.join(options.out, "shear.png"), dpi=150)
+fig.savefig(options.out / "shear.png", dpi=150)
 ax = flow.plot(quantity="velocity_x")
 ax.axline((0, 0), slope=1 / RATE, color="0.5", lw=0.8, zorder=0)  # the mean field
-ax.figure.savefig(os.path.join(options.out, "velocity.png"), dpi=150)
+ax.figure.savefig(options.out / "velocity.png", dpi=150)
 late = data["strain"] > 0.5 * data["strain"][-1]
 mean = {name: column[late].mean() for name, column in data.items()}
 print(f"solid fraction {1 - rcr.measure.porosity():.3f}, "

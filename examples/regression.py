@@ -13,7 +13,6 @@ amplify small differences, so the references are means over the bed.
 """
 
 import math
-import os
 import random
 
 import numpy as np
@@ -81,9 +80,9 @@ if options.spread:
         print(f'    "{name}": ({np.mean(values):.4g}, {5 * np.std(values, ddof=1):.1g}),')
 else:
     found = measured()
-    rcr.snapshot(os.path.join(options.out, "regression.png"), contacts="force")
+    rcr.snapshot(options.out / "regression.png", contacts="force")
     wrong = []
-    with open(os.path.join(options.out, "regression.csv"), "w") as table:
+    with open(options.out / "regression.csv", "w") as table:
         print("quantity,measured,reference,tolerance", file=table)
         for name, (reference, tolerance) in REFERENCE.items():
             print(f"{name},{found[name]:.6g},{reference},{tolerance}", file=table)

@@ -9,7 +9,6 @@ Writes DIR/rigid_and_smooth.png (heaps, and width against time) and DIR/rigid_an
 """
 
 import math
-import os
 import random
 import time
 
@@ -83,6 +82,6 @@ for (name, young), ax in zip(LAWS.items(), axes):
         break
 curves.set(xlabel="time [s]", ylabel="rms distance from the middle [R]")
 curves.legend(fontsize=7)
-fig.savefig(os.path.join(options.out, "rigid_and_smooth.png"), dpi=150)
-np.savetxt(os.path.join(options.out, "rigid_and_smooth.csv"), rows, delimiter=",",
+fig.savefig(options.out / "rigid_and_smooth.png", dpi=150)
+np.savetxt(options.out / "rigid_and_smooth.csv", rows, delimiter=",",
            header="young,dt,seconds,width,overlap", comments="", fmt="%g")

@@ -31,7 +31,7 @@ MODULES = {
     "rcr.study.figures.polar": "Polar diagrams of the figures",
     "rcr.study.claims": "The paper's statements",
 }
-# Headings and the first words of their classes; all other classes are engines.
+# Headings and the first words of their classes; other classes are engines.
 KINDS = {
     "Shapes and bounds": ("Rcr", "Bo1"),
     "Geometry of contacts": ("RcrGeom", "Ig2"),
@@ -111,21 +111,12 @@ def yade_page():
     classes = {name: getattr(rcr, name) for name in _plugin.classes}
     page = [heading("Classes of YADE", "="), "Classes that ``import rcr`` adds to YADE. "
             "``O.save`` and ``O.load`` keep their attributes.\n"]
-    for title, names in yade_kinds(sorted(classes)).items():
+    kind = {word: title for title, words in KINDS.items() for word in words}
+    for title in ["Engines", *KINDS]:
         page.append("\n" + heading(title, "-"))
-        page += [yade_class(classes[name], classes) for name in names]
+        page += [yade_class(classes[name], classes) for name in sorted(classes)
+                 if kind.get(name.split("_")[0], "Engines") == title]
     return "\n".join(page)
-
-
-def yade_kinds(classes):
-    """{heading: names of its classes}; every class has one heading."""
-    kinds = {"Engines": [n for n in classes if not n.startswith(sum(KINDS.values(), ()))]}
-    for title, starts in KINDS.items():
-        belongs = lambda n: any(n == start or n.startswith(start + "_") for start in starts)
-        kinds[title] = [n for n in classes if n not in kinds["Engines"] and belongs(n)]
-    found = sum(kinds.values(), [])
-    assert sorted(found) == classes, set(classes) ^ set(found)
-    return kinds
 
 
 SESSION = "advance contact_network critical_time_step half_step_start info movie".split()

@@ -20,14 +20,11 @@ class Info(dict):
 
 
 def info():
-    """Return versions, processor, threads and build for a bug report.
+    """Return versions, processor, threads and build for a bug report: a dict that prints well.
 
-    Returns
-    -------
-    dict
-        Prints as a table. ``lanes`` is the number of contact points that one sweep treats at a
-        time: 16 with AVX-512, 1 on x86 without AVX2 and FMA, else 8. ``threads`` is that of the
-        running YADE, ``3D view`` lists the classes that draw in it.
+    ``lanes`` is the number of contact points that one sweep treats at a time: 16 with AVX-512, 1 on
+    x86 without AVX2 and FMA, else 8. ``threads`` is that of the running YADE, ``3D view`` lists the
+    classes that draw in it.
     """
     import rcr
 
@@ -47,8 +44,8 @@ def info():
     facts["threads"] = os.environ.get("OMP_NUM_THREADS", "as many as processors")
     if yade:
         facts["threads"] = sys.modules["yade.wrapper"].Omega().numThreads
-    processors = f"{len(os.sched_getaffinity(0))} of {os.cpu_count()} processors"
-    facts["processor"] = f"{_processor()}, {processors}"
+    count = f"{len(os.sched_getaffinity(0))} of {os.cpu_count()} processors"
+    facts["processor"] = f"{_processor()}, {count}"
     facts["system"], facts["Python"] = platform.platform(), platform.python_version()
     facts |= {name: _library(name) for name in LIBRARIES}
     facts["ffmpeg"] = shutil.which("ffmpeg") or "not installed: films are GIFs"

@@ -22,21 +22,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rcr._data.network_columns import rows
 from rcr._pictures import outlines
 from rcr.network import WALL, Network
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
 STRIPS = 2000  # vertical strips of a clump; the relative error of its area is about 1e-5
 _NO_WALLS = dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
-
-
-def rows(known, ids):
-    """Return the row of each id in the array `known`, −1 for an unknown id."""
-    if not len(known):
-        return np.full(np.shape(ids), -1)
-    order = np.argsort(known)
-    at = order[np.minimum(np.searchsorted(known, ids, sorter=order), len(known) - 1)]
-    return np.where(known[at] == ids, at, -1)
 
 
 @dataclass

@@ -6,6 +6,7 @@
 import argparse
 import contextlib
 import os
+import pathlib
 import signal
 import sys
 import threading
@@ -115,9 +116,9 @@ def add_results(parser, what):
 def options(doc, **more):
     """Parse the options --out DIR and --quick of an example, make the folder, return the options.
 
-    ``out`` is by default ``out/NAME`` for the script ``NAME.py``. The first line of the script's
-    docstring `doc` is the description in --help. `more` holds further options by name, as dicts of
-    keywords of ``add_argument``.
+    ``out``, a pathlib.Path, is by default ``out/NAME`` for the script ``NAME.py``. The first line
+    of the script's docstring `doc` is the description in --help. `more` holds further options by
+    name, as dicts of keywords of ``add_argument``.
     """
     name = os.path.basename(sys.argv[0])
     parser = Parser(prog=name, description=doc.strip().splitlines()[0])
@@ -128,7 +129,8 @@ def options(doc, **more):
     for option, keywords in more.items():
         parser.add_argument("--" + option.replace("_", "-"), **keywords)
     given = parser.parse_args()
-    os.makedirs(given.out, exist_ok=True)
+    given.out = pathlib.Path(given.out)
+    given.out.mkdir(parents=True, exist_ok=True)
     return given
 
 

@@ -27,7 +27,8 @@ def cutoffs(xi):
 class XiNetworks:
     """Partial sums over the contacts with f_n ≤ ξ ⟨f_n⟩.
 
-    C contacts are sorted once. Each ξ then takes O(log C).
+    C contacts are sorted once. Each ξ then takes O(log C). A ValueError reports no contact, or
+    arrays that differ in length.
 
     Parameters
     ----------
@@ -37,11 +38,6 @@ class XiNetworks:
         ℓ_n + i ℓ_t and f_n + i f_t, in any unit.
     scaled_force : (C,) float array
         f_n/⟨f_n⟩ [-], to which ξ refers.
-
-    Raises
-    ------
-    ValueError
-        If there is no contact, or the arrays differ in length.
     """
 
     def __init__(self, theta, branch, force, scaled_force):
@@ -49,8 +45,8 @@ class XiNetworks:
             raise ValueError("no contacts: a ξ-network needs at least one contact")
         lengths = [len(array) for array in (theta, branch, force, scaled_force)]
         if len(set(lengths)) > 1:
-            given = "theta, branch, force and scaled_force hold {}, {}, {} and {}".format(*lengths)
-            raise ValueError(f"{given}; expected one length")
+            raise ValueError(f"theta, branch, force and scaled_force hold {lengths} numbers; "
+                             "expected one length")
         order = np.argsort(scaled_force, kind="stable")
         self._scaled_force = scaled_force[order]
         weights = [np.ones_like(branch), branch.real, branch, force.real, force, force * branch]

@@ -67,10 +67,8 @@ def parser():
 
 def arguments():
     """Return the options of the command line and those for Snakemake."""
-    words, extra = sys.argv[1:], []
-    if "--" in words:
-        words, extra = words[: words.index("--")], words[words.index("--") + 1 :]
-    made = parser()
+    words, made = [*sys.argv[1:], "--"], parser()
+    words, extra = words[: words.index("--")], words[words.index("--") + 1 : -1]
     if "--quick" in words:
         made.set_defaults(**QUICK)
     options = made.parse_args(words)
@@ -100,21 +98,17 @@ def configuration(options):
     return config | {name: text(value) for name, value in given.items() if value is not None}
 
 
-def command(options, extra):
+def command(options, config, extra):
     """Return the command of Snakemake.
 
     It ends with this process, and its jobs with it. Its own lock outlives a kill, that of the
     folder does not: hence --nolock.
     """
-    config = configuration(options)
-    snakefile = str(HERE / "campaign.smk")
-    return [
-        *("setpriv", "--pdeathsig", "KILL", "snakemake", "--snakefile", snakefile),
-        *("--directory", options.out, "--cores", str(options.jobs), "--scheduler", "greedy"),
-        *("--keep-going", "--rerun-incomplete", "--nolock", "--quiet", "rules"),
-        *("--config", *(f"{name}={value}" for name, value in config.items())),
-        *extra,
-    ]
+    return ["setpriv", "--pdeathsig", "KILL", "snakemake", "--directory", options.out,
+            "--snakefile", str(HERE / "campaign.smk"), "--cores", str(options.jobs),
+            "--scheduler", "greedy", "--keep-going", "--rerun-incomplete", "--nolock",
+            "--quiet", "rules", "--config", *(f"{name}={value}" for name, value in config.items()),
+            *extra]
 
 
 def strain_reached(folder):
@@ -125,19 +119,12 @@ def strain_reached(folder):
         return 0.0
 
 
-def run_folders(out, options):
-    """Return the folders of the tests."""
-    config = configuration(options)
-    return [out / "runs" / campaign_runs.run_name(config, text(eta), seed)
-            for eta in options.etas for seed in options.seeds]
-
-
 def run_with_progress(words, folders, options):
     """Run Snakemake; on a terminal, show the strain of all tests as a progress bar."""
     form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} < {remaining}"
     process = subprocess.Popen(words, stdout=sys.stderr)
-    with tqdm(total=options.strain * len(folders), desc="tests", disable=None,
-              bar_format=form) as bar:  # fmt: skip
+    total = options.strain * len(folders)
+    with tqdm(total=total, desc="tests", disable=None, bar_format=form) as bar:
         while True:
             try:
                 return process.wait(timeout=1)
@@ -156,10 +143,8 @@ def failure(out, folders):
         missing = [out / "report"]
     logs = [folder / "log" for folder in missing if (folder / "log").exists()]
     reasons = "; ".join(f"{path.resolve()}: {last_line(path)}" for path in logs)
-    what = ", see above"
-    if reasons:
-        what = f": {reasons}; scripts/network.py analyses the tests that are complete"
-    return f"not complete{what}; {CONTINUE}"
+    todo = "; scripts/network.py analyses the tests that are complete"
+    return f"not complete{f': {reasons}{todo}' if reasons else ', see above'}; {CONTINUE}"
 
 
 def main():
@@ -167,14 +152,15 @@ def main():
     if not shutil.which("snakemake"):
         todo = "install it (apt-get install snakemake) and run this command again"
         raise RuntimeError(f"the package snakemake is not installed; {todo}")
-    out = pathlib.Path(options.out)
-    folders = run_folders(out, options)
+    out, config = pathlib.Path(options.out), configuration(options)
+    folders = [out / "runs" / campaign_runs.run_name(config, text(eta), seed)
+               for eta in options.etas for seed in options.seeds]
     parameters = {name: getattr(options, name) for name in FREE}
     claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
     with results.claim_folder(out, "campaign", parameters, [], **claim) as begin:
         begin()
         try:
-            failed = run_with_progress(command(options, extra), folders, options)
+            failed = run_with_progress(command(options, config, extra), folders, options)
         except KeyboardInterrupt:
             raise script.Stopped(f"stopped; {CONTINUE}") from None
     if failed:

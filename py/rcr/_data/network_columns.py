@@ -43,6 +43,15 @@ def checked(group, arrays):
     return found
 
 
+def rows(known, ids):
+    """Return the row of each id in the array `known`, −1 for an unknown id."""
+    if not len(known):
+        return np.full(np.shape(ids), -1)
+    order = np.argsort(known)
+    at = order[np.minimum(np.searchsorted(known, ids, sorter=order), len(known) - 1)]
+    return np.where(known[at] == ids, at, -1)
+
+
 def read(file, group, path):
     """Return the columns of a group of an HDF5 file."""
     if not hasattr(file[group], "items"):

@@ -61,22 +61,11 @@ def claim_folder(
     and returns its contents. Call it after everything that can fail early. A ValueError says that
     the folder holds another run, or that another process has it.
 
-    Parameters
-    ----------
-    program : str
-        Name of the script.
-    parameters : dict
-        Parameters of the run, as JSON values.
-    made : list of str
-        Patterns of the program's files. A new run removes those of the previous run.
-    free : list of str
-        Names of the parameters that `resume` may change.
-    checkpoint, last : str
-        Name of the file from which `resume` continues, and of the last file of a complete run.
-    resume, overwrite : bool
-        Continue the run in the folder; remove a run of other parameters, or one with a checkpoint.
-    wait : bool
-        Wait for another process that has the folder; by default raise an error.
+    `program` is the name of the script, `parameters` are those of the run, as JSON values; `resume`
+    continues the run in the folder and may change those named in `free`. `made` are patterns of the
+    program's files. `checkpoint` and `last` are the file from which `resume` continues and the last
+    file of a complete run. `overwrite` removes a run of other parameters, or one with a checkpoint.
+    `wait` waits for another process that has the folder.
     """
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)

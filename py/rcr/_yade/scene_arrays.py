@@ -8,9 +8,8 @@ from yade.wrapper import (
     Sphere, Wall,
 )  # fmt: skip
 
+from rcr._data.network_columns import CAP_CAP, rows as rows_of
 from rcr._pictures.outlines import areas
-from rcr.frame import rows as rows_of
-from rcr.network import CAP_CAP
 
 _GRAINS = dict(
     id=int, clump=int, fixed=bool, position=(float, 2), angle=float, half_length=float,

@@ -28,21 +28,19 @@ class Biaxial:
 
     Attributes
     ----------
-    parameters : dict
-        Parameters of the test; see `prepare`.
-    progress : dict
-        ``phase`` ('collapse', 'relaxation' or 'shear'), counts and state of the compaction.
-    rows : list of dict
-        History, one row for each record: 0.1 % of strain.
-    records : list of dict
-        Intervals of the last run of steps; see `rcr.study.records.make_records`.
+    parameters, progress : dict
+        See `prepare`; ``phase`` ('collapse', 'relaxation' or 'shear'), counts and state of the
+        compaction.
+    rows, records : list of dict
+        History, one row for each record of 0.1 % of strain; intervals of the last run of steps,
+        see `rcr.study.records.make_records`.
     mean_stresses : (2,) float array
         σ_x and σ_y on the walls, means of the last interval [Pa], compression positive.
     isotropic : Network or None
         End of the compaction, if this process made it.
     solver : ContactDynamics or Springs
-    grains, walls : range and list of int
-        Ids; `left`, `bottom`, `right` and `top` are those of the walls.
+    grains, walls, left, bottom, right, top : range or int
+        Ids.
     area, diameter, time_unit : float
         Area of all grains [m²], mean diameter [m], t₀ [s].
     """

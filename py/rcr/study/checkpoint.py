@@ -1,12 +1,12 @@
 """Files of a biaxial test: its history, and checkpoints that continue to the same bits."""
 
 import contextlib
-import glob
 import gzip
 import io
 import json
 import math
 import os
+import pathlib
 import re
 import shutil
 
@@ -40,7 +40,7 @@ def save(test, folder, state=False):
     files.write(os.path.join(folder, CHECKPOINT), content)
     if state:
         for path in states(folder)[:-KEPT_STATES]:
-            os.remove(path)
+            path.unlink()
 
 
 def name_at(pattern, strain):
@@ -50,23 +50,21 @@ def name_at(pattern, strain):
 
 def states(folder, last=math.inf):
     """Return the paths of the states in a folder up to the strain `last`, in their order."""
-    return [path for path in _find(folder, STATES) if not _is_later(path, last)]
+    paths = sorted(pathlib.Path(folder).glob(STATES))
+    return [path for path in paths if not _is_later(path, last)]
 
 
 def remove_later(folder, strain):
     """Remove the states and networks of an abandoned part of the shear, beyond a strain."""
-    for path in [*_find(folder, STATES), *_find(folder, NETWORKS)]:
-        if _is_later(path, strain):
-            os.remove(path)
-
-
-def _find(folder, pattern):
-    return sorted(glob.glob(os.path.join(glob.escape(folder), pattern)))
+    for pattern in (STATES, NETWORKS):
+        for path in pathlib.Path(folder).glob(pattern):
+            if _is_later(path, strain):
+                path.unlink()
 
 
 def _is_later(path, strain):
     """Return whether the strain in a file name is later than a strain."""
-    digits = re.search(r"-(\d\.\d+)\.", os.path.basename(path))[1]
+    digits = re.search(r"-(\d\.\d+)\.", path.name)[1]
     return float(digits) > strain + 0.5e-4  # rounded to four digits
 
 

@@ -76,10 +76,6 @@ class Protocol:
     smooth_time_step: float = 0.5  # dt over `rcr.critical_time_step` [-]
     smooth_stride: int = 10  # steps between two readings of the wall stresses
 
-    def default_iterations(self, particles):
-        """Iterations of the solver in a step of the shear, at most, of so many grains."""
-        return self.small_iterations if particles <= self.small_particles else self.iterations
-
 
 PROTOCOL = Protocol()
 HALF_RECORD = 0.5 * PROTOCOL.record_strain  # deviation of a saved strain, at most
@@ -117,8 +113,8 @@ def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e
     """
     parameters = dict(locals())
     if iterations is None:
-        count = _checked("particles", particles)
-        parameters["iterations"] = PROTOCOL.default_iterations(count)
+        small = _checked("particles", particles) <= PROTOCOL.small_particles
+        parameters["iterations"] = PROTOCOL.small_iterations if small else PROTOCOL.iterations
     for name in _RANGES:
         parameters[name] = _checked(name, parameters[name])
     checks.choice("law", law, ("cd", "smooth"))

@@ -21,10 +21,9 @@ HISTORY_COLUMNS = (
 
 
 class Springs:
-    """Stand-in for `ContactDynamics` under the smooth law, which has no iterations."""
+    """Stand-in for `ContactDynamics` under the smooth law."""
 
-    tolerance = residual = 0.0
-    iterations = threads = 0
+    threads = 0
 
     @property
     def contactPoints(self):
