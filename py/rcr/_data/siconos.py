@@ -9,7 +9,7 @@ from rcr._data.problem import DelassusProblem
 def load_siconos(path):
     """Return the DelassusProblem of a ``.dat`` file."""
     with open(path, encoding="ascii", errors="replace") as file:
-        words = _Words(file.read().split("\n"))
+        words = _Words(file.read())
     dimension, nc = words.integer("dimension"), words.integer("number of contacts")
     if dimension != 2:
         raise ValueError(f"dimension = {dimension}; expected 2, contacts in the plane")
@@ -24,37 +24,31 @@ def load_siconos(path):
 
 
 class _Words:
-    """Reads the words of a text file in order, line by line."""
+    """Reads the words of a text in order."""
 
-    def __init__(self, lines):
-        self.lines, self.line, self.word = [line.split() for line in lines], 0, 0
-        self.count = sum(map(len, self.lines))
+    def __init__(self, text):
+        lines = [line.split() for line in text.split("\n")]
+        self.words, self.at = [word for line in lines for word in line], 0
+        self.ends = np.cumsum([len(line) for line in lines])
 
-    def skip_line(self):
-        self.line, self.word = self.line + 1, 0
-
-    def next_line(self):
-        """Return the remaining words of the line, or those of the next line with words."""
-        while self.line < len(self.lines) and self.word >= len(self.lines[self.line]):
-            self.skip_line()
-        return self.lines[self.line][self.word :] if self.line < len(self.lines) else []
+    def line(self):
+        """Return the rest of the line of the next word, empty at the end, and its number."""
+        k = int(np.searchsorted(self.ends, self.at, side="right"))
+        return self.words[self.at : self.ends[k] if k < len(self.ends) else None], k + 1
 
     def numbers(self, what, count):
         """Read `count` numbers, over several lines; `what` names them in an error."""
-        if not 0 <= count <= self.count:
-            raise ValueError(f"{count} numbers of {what} are announced, of {self.count} words")
-        found = []
-        while len(found) < count and (words := self.next_line()):
-            words = words[: count - len(found)]
-            self.word += len(words)
-            found += words
+        if not 0 <= count <= len(self.words):
+            raise ValueError(f"{count} numbers of {what} are announced, of {len(self.words)} words")
+        found = self.words[self.at : self.at + count]
         if len(found) < count:
             raise ValueError(f"the file ends after {len(found)} of {count} numbers of {what}")
+        self.at += count
         try:
             return np.array(found, float)
         except ValueError:
-            raise ValueError(
-                f"{what} holds a word that is not a number, before line {self.line + 2}") from None
+            raise ValueError(f"{what} holds a word that is not a number, before line "
+                             f"{self.line()[1]}") from None
 
     def integer(self, what):
         return int(self.integers(what, 1)[0])
@@ -113,7 +107,8 @@ def _sparse(words, size):
     """
     words.integer("origin of the matrix")
     row, column, value, at, count = [], [], [], None, None
-    while (line := words.next_line()) and (":" in line or count is None):
+    line, number = words.line()
+    while line and (":" in line or count is None):
         try:
             if line[0] == "col":
                 at = int(line[1])
@@ -127,9 +122,9 @@ def _sparse(words, size):
                 value.append(float(line[split + 1]))
         except (ValueError, IndexError, TypeError):
             found = " ".join(line)[:60]
-            raise ValueError(
-                f"line {words.line + 1} is not a line of a sparse matrix: {found!r}") from None
-        words.skip_line()
+            raise ValueError(f"line {number} is not a line of a sparse matrix: {found!r}") from None
+        words.at += len(line)
+        line, number = words.line()
     if None in column:
         raise ValueError("entries of the sparse matrix precede the first line `col`")
     if count is None or (count < 1e6 and count != len(value)):  # printed with six digits

@@ -47,29 +47,17 @@ def _columns(kinds, rows):
 def _grains(O):
     """Return the grains, their centres of mass at the time of the forces, and their z."""
     prescribed = {"x", "y", "Z"}.issubset
-    clumps = {}  # by id: motion prescribed, centre, mass
     rows, centers, z = [], [], 0.0
     for body in O.bodies:
-        shape, state, clump = body.shape, body.state, body.clumpId
+        shape, state = body.shape, body.state
         if not isinstance(shape, (Rcr, Sphere)):
             continue
-        half, cap = lengths(shape)
-        pos, vel = state.pos, state.vel
-        if clump >= 0:
-            if clump not in clumps:
-                whole = O.bodies[clump].state
-                clumps[clump] = (prescribed(whole.blockedDOFs), whole.pos - O.dt * whole.vel,
-                                 whole.mass)
-            fixed, center, mass = clumps[clump]
-        else:
-            clump, fixed, center = -1, prescribed(state.blockedDOFs), pos - O.dt * vel
-            mass = state.mass
+        whole = O.bodies[body.clumpId].state if body.clumpId >= 0 else state
+        center, (x, y, z), velocity = whole.pos - O.dt * whole.vel, state.pos, state.vel
         centers.append((center[0], center[1]))
-        z = pos[2]
-        velocity = (vel[0], vel[1], state.angVel[2])
-        place = pos[0], pos[1]
-        row = (body.id, clump, fixed, place, angle(state.ori), half, cap, mass, velocity)
-        rows.append((*row, tuple(shape.color)))
+        rows.append((body.id, max(body.clumpId, -1), prescribed(whole.blockedDOFs), (x, y),
+                     angle(state.ori), *lengths(shape), whole.mass,
+                     (velocity[0], velocity[1], state.angVel[2]), tuple(shape.color)))
     grains = _columns(_GRAINS, rows)
     _share_masses(grains)
     return grains, np.array(centers).reshape(-1, 2), z
