@@ -24,8 +24,9 @@ from scenes import insert, set_state, without  # noqa: E402
 
 NAN = math.nan
 R = 0.1  # radius of the grains [m]
-WIDTH = 24 * R  # of a periodic cell [m]
-DEEPEST = 0.05  # largest overlap of free grains over R₁ + R₂
+WIDTH = 24 * R  # of the box of soak.py [m]
+CELL = 13.4 * R  # width of a periodic cell, in which images of a full row nearly meet [m]
+DEEPEST = 0.01  # largest overlap of free grains over R₁ + R₂
 SPEED = 3.0  # largest speed over that of start, drives and fall
 KINDS, SHARES = ["Rcr", "Sphere", "moving clump"], [0.6, 0.3, 0.1]  # of grains
 
@@ -46,7 +47,8 @@ def draw(rng):
         floor=str(rng.choice(["Wall", "Box", "Facet", "Rcr", "none"])),
         turning=bool(rng.random() < 0.1), speed=float(rng.choice([0, 1, 20])),
         energy=bool(rng.random() < 0.3),
-        gradient=[float(g) for g in rng.choice([0, 0, -0.3, 0.5], 4)] if periodic else None,
+        gradient=[float(g) for g in rng.choice([0, 0, -1, 0.5], 4)] if periodic else None,
+        homoDeform=int(rng.choice([0, 1, 2])) if periodic else None,
         fault=str(rng.choice(["none"] * 12 + list(FAULTS))), reload=bool(rng.random() < 0.1),
         erase=bool(rng.random() < 0.2) and not periodic,  # YADE's collider fails in a cell
     )  # fmt: skip
@@ -102,14 +104,14 @@ def loose_grains():
             and not b.isClumpMember]
 
 
-def begin(scene):
-    """An empty scene, in a cell if it is periodic; returns the material of its bodies."""
+def begin(scene, width=CELL):
+    """An empty scene, in a cell of this width if it is periodic; returns the material of its bodies."""
     O.reset()
     material = scenes.springy(scene["friction"])
     O.materials.append(material)
     if scene["periodic"]:
         O.periodic = True
-        O.cell.setBox(WIDTH, WIDTH, WIDTH)
+        O.cell.setBox(width, width, width)
     return material
 
 
@@ -130,6 +132,7 @@ def build(scene, rng):
     engines(scene)
     if scene["periodic"]:
         shear_cell(scene["gradient"])
+        O.cell.homoDeform = scene["homoDeform"]
     O.trackEnergy = scene["energy"]
 
 

@@ -35,8 +35,8 @@ FEWEST = 1000  # grains from which on the verdicts of the table mean something
 _SMALL = (f"These tests have fewer than {FEWEST} grains. The figures show what the study measures, "
           "but the verdicts below are grey: chance and walls decide many of them. ")
 _RULE = ("A value agrees within its tolerance or two standard errors. A trend must exceed two "
-         "standard errors. Errors belong to the mean over seeds, or over snapshots of fewer than "
-         "three seeds. The small print under each statement is its criterion.")
+         "standard errors. Errors are those over seeds, or over networks with fewer than three "
+         "seeds. The small print under each statement is its criterion.")
 _TITLES = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 

@@ -123,6 +123,20 @@ def test_images_meet_that_only_the_cell_brings_together(strain, eta, corner):
     assert solver().converged and gap == pytest.approx(0, abs=1e-5 * R)
 
 
+@pytest.mark.parametrize("homo_deform, dt, stress", [(0, 1e-2, None), (2, 1e-3, 100)])
+def test_a_loose_cell_closes_without_overlaps(homo_deform, dt, stress):
+    """By prescribed motion, which may leave the grains at rest, and by a stress."""
+    size, m, grains = packing(0.5)
+    scene("rigid", *grains, size=size, dt=dt, **AUTO)
+    O.cell.homoDeform = homo_deform
+    O.cell.velGrad = plane(-0.3, 0.1, 0, -0.3)
+    if stress:
+        insert(3, rcr.CellStress(stress=(stress, stress)))
+    while fraction(m) < 0.72:
+        steps(5)
+    assert solver().deepestOverlap < 1e-3 and solver().missedSteps == 0
+
+
 def pressed(*bodies, stress, mass=1, **options):
     """A scene of these bodies, if any, and a stress on its cell."""
     if bodies:
