@@ -87,8 +87,7 @@ class Frame:
             what = Network.load(what)
         if isinstance(what, Network):
             return cls.of_network(what)
-        expected = "None (the present scene of YADE), a Frame, a Network or the path of one"
-        raise TypeError(f"{type(what).__name__} given; expected {expected}")
+        raise TypeError(f"{type(what).__name__} given; expected None, a Frame, a Network or a path")
 
     @classmethod
     def of_scene(cls):
@@ -96,8 +95,7 @@ class Frame:
         try:
             from rcr._yade import scene_arrays
         except ImportError as error:
-            todo = "give a rcr.Network or the path of one"
-            raise ValueError(f"no scene: this Python runs without YADE; {todo}") from error
+            raise ValueError("no scene without YADE; give a rcr.Network or its path") from error
         frame = cls(**scene_arrays.read())
         free1, free2 = frame.free_ends()
         frame.contacts["type"][~(free1 & free2)] = WALL
