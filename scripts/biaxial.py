@@ -102,10 +102,7 @@ class Checkpoints:
         self.next = end + max(CHECKPOINT_SECONDS, 20 * (end - start))
 
     def go_back(self, error):
-        """Return the test to an earlier strain, with a smaller time step.
-
-        Raises the error of the failed attempt if that was the last one.
-        """
+        """Return the test to an earlier strain with a smaller time step, or raise the error."""
         test, stopped = self.test, self.test.strain
         last = test.progress["divisor"] == PROTOCOL.most_divisor
         if test.parameters["law"] != "cd" or last or not states(self.folder, stopped):

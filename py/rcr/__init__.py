@@ -45,10 +45,7 @@ __all__ = ["Network", "info", "solve", *_MODULES, *_LAZY]
 
 
 def _load_plugin():
-    """Register the plugin's classes with the running YADE and return them by name.
-
-    An ImportError says that the plugin is not built, or was built for another version of YADE.
-    """
+    """Register the plugin's classes with the running YADE and return them by name."""
     flags = sys.getdlopenflags()
     # YADE finds the classes of plugins by symbols. Lazy: see _plugin in CMakeLists.txt.
     sys.setdlopenflags(os.RTLD_LAZY | os.RTLD_GLOBAL)

@@ -65,10 +65,7 @@ class VtkSeries:
         return pathlib.Path(self.folder) / f"{self.name}.pvd"
 
     def moments(self):
-        """Return time [s] and file of each part in the index, [(float, str)].
-
-        A ValueError reports an index that is not a .pvd file.
-        """
+        """Return time [s] and file of each part in the index, [(float, str)], or a ValueError."""
         if not self.index.exists():
             return []
         try:
@@ -78,10 +75,7 @@ class VtkSeries:
             raise ValueError(f"{self.index}: not a series of VtkSeries ({error})") from error
 
     def save(self, what=None):
-        """Add a scene or network, by default YADE's present scene; return the path of the index.
-
-        A ValueError reports an unknown time.
-        """
+        """Add a scene or network of known time, by default YADE's scene; return the index."""
         frame = Frame.of(what)
         if not np.isfinite(frame.time):
             raise ValueError("the network has no attribute `time`, which a series needs")

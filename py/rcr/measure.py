@@ -52,19 +52,13 @@ def porosity(volume=None, what=None):
 
 
 def stress_tensors(what=None):
-    """Return the ids (N,) and the mean stresses (N, 2, 2) of the grains, compression positive [Pa].
-
-    See `Frame.stress_tensors`.
-    """
+    """Return ids (N,) and `Frame.stress_tensors`, (N, 2, 2), compression positive [Pa]."""
     frame = _frame(what)
     return frame.grains["id"], frame.stress_tensors()
 
 
 def write_table(path, what=None):
-    """Write a text table, one row per grain, and return the number of grains.
-
-    The first line names the columns. The write is atomic.
-    """
+    """Write a text table, names of columns and a row per grain; return the number of grains."""
     grains = _frame(what).grains
     x, y = grains["position"].T
     vx, vy, spin = grains["velocity"].T

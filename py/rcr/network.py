@@ -91,10 +91,7 @@ class Network:
 
     @classmethod
     def load(cls, path):
-        """Return the network of a file ``network-*.h5``.
-
-        A ValueError reports a damaged file or one of another kind, an OSError an unreadable one.
-        """
+        """Return the network of a file, or a ValueError for damage, an OSError for no access."""
         import h5py
 
         with files.reading(path, "an HDF5 file"):
@@ -235,10 +232,7 @@ class Network:
         return np.divide(tangential, limit, out=np.zeros_like(limit), where=friction > 0)
 
     def grain_stresses(self):
-        """Return the mean stress in each grain, (N, 2, 2), compression positive [Pa].
-
-        See `rcr.frame.Frame.stress_tensors`.
-        """
+        """Return the mean stress in each grain, (N, 2, 2) [Pa]; see `Frame.stress_tensors`."""
         return self._frame().stress_tensors()
 
     def grain_coordination(self):

@@ -64,7 +64,10 @@ def packing(
         Add a colour bar and a legend below the picture; by default True for a new Figure.
     """
     frame = Frame.of(what)
-    _check(frame, contacts)
+    if not (len(frame.grains["id"]) or len(frame.walls["id"]) or frame.outlines):
+        raise ValueError("the scene holds no Rcr, Sphere, Wall, Box or Facet: nothing to draw")
+    if contacts is not None and contacts not in CONTACTS:
+        raise checks.error("contacts", contacts, f"None, {' or '.join(map(repr, CONTACTS))}")
     limits = frame.extent() if limits is None else checks.rectangle("limits", limits)
     legend = ax is None if legend is None else legend
     faces, key = grain_colors(frame, color, range, cmap)
@@ -105,13 +108,6 @@ def snapshot(path, what=None, dpi=200, **options):
     with matplotlib.rc_context(STYLE), atomic_path(path) as partial:
         figure.savefig(partial, dpi=dpi)
     return path
-
-
-def _check(frame, contacts):
-    if not (len(frame.grains["id"]) or len(frame.walls["id"]) or frame.outlines):
-        raise ValueError("the scene holds no Rcr, Sphere, Wall, Box or Facet: nothing to draw")
-    if contacts is not None and contacts not in CONTACTS:
-        raise checks.error("contacts", contacts, f"None, {' or '.join(map(repr, CONTACTS))}")
 
 
 def _add_grains(ax, frame, faces, unit):

@@ -29,10 +29,7 @@ class _Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpF
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser without abbreviations, whose errors take one line, without the usage.
-
-    The help shows the defaults of the options.
-    """
+    """An ArgumentParser without abbreviations, with one-line errors and defaults in the help."""
 
     def __init__(self, **keywords):
         super().__init__(allow_abbrev=False, formatter_class=_Help, **keywords)
@@ -44,10 +41,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def number(expected="a finite number", valid=lambda v: True, kind=float):
-    """Return an option type: a finite number, float or int, for which `valid` holds.
-
-    The error message says what is `expected`.
-    """
+    """Return an option type: a finite number, float or int, for which `valid` holds."""
 
     def parse(text):
         try:

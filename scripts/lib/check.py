@@ -52,10 +52,7 @@ def run(command, log, **settings):
 
 
 def build(name, flags, source=ROOT, plugin=False):
-    """Build the kernels, and the plugin if `plugin`, with compiler flags.
-
-    Returns the folder of the package `rcr`, or None if the build fails.
-    """
+    """Build kernels, and the `plugin`, with these flags; return the package's folder or None."""
     folder, package = FOLDER / name, FOLDER / name / "package" / "rcr"
     package.mkdir(parents=True, exist_ok=True)
     for entry in (ROOT / "py" / "rcr").iterdir():
@@ -99,10 +96,7 @@ def last_line(log):
 
 
 def sanitize(name, commands, plugin=False):
-    """Build with a sanitizer and run commands under it.
-
-    The line of the check has the last lines of the commands, or the first report.
-    """
+    """Run commands under a sanitizer; the line has their last lines, or the first report."""
     sanitizer, log = dict(SANITIZERS[name]), FOLDER / f"{name}.log"
     flags = f"-O1 -g1 -fno-omit-frame-pointer {sanitizer.pop('flags')}"
     package = build(name, flags, plugin=plugin)

@@ -14,10 +14,7 @@ sys.path[:0] = [os.path.join(ROOT, "py"), ROOT]
 
 
 def run(module, before=lambda: None):
-    """Call `main` of a module; where an import fails, start again in the environment.
-
-    `before` is called before the script starts again.
-    """
+    """Call `main` of a module; if an import fails, call `before` and start in the environment."""
     try:
         main = importlib.import_module(module).main
         from rcr import script

@@ -107,10 +107,7 @@ def _flush(path):
 
 
 def hdf5(fill):
-    """Return the bytes of a sealed HDF5 file, filled by `fill(file)`.
-
-    HDF5 programs that change the file remove the seal.
-    """
+    """Return the bytes of a sealed HDF5 file, filled by `fill(file)`; a change removes the seal."""
     import h5py
 
     image = io.BytesIO()
@@ -130,10 +127,7 @@ def table(columns, rows):
 
 
 def read_table(path, columns):
-    """Return the rows of a CSV file as dicts of text; a ValueError says that a column is missing.
-
-    Call it within `reading`.
-    """
+    """Return the rows of a CSV file with these columns as dicts of text, within `reading`."""
     with open(path, newline="", encoding="utf-8") as file:
         reader = csv.DictReader(file, strict=True)
         missing = [name for name in columns if name not in (reader.fieldnames or ())]

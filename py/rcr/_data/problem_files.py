@@ -41,10 +41,7 @@ def save(path, problem):
 
 
 def save_fclib(path, problem):
-    """Save a problem as FCLIB's ``fclib_local``; its warm start becomes the first guess.
-
-    `path` ends in ``.h5`` or ``.hdf5``; see `save`.
-    """
+    """Save a problem as FCLIB's ``fclib_local`` (.h5), its warm start as the first guess."""
     _suffix(path, (".h5", ".hdf5"))
     if isinstance(problem, BodyProblem):
         problem = problem.delassus()

@@ -68,10 +68,7 @@ def _dense(words, size):
 
 
 def _blocks(words, size):
-    """Read blocks in order of rows, each stored column by column.
-
-    The sizes of block rows and columns are given as running sums.
-    """
+    """Read blocks in order of rows, each by columns. Their sizes are given as running sums."""
     count, rows, columns = words.integers("blocks", 3)
     row_end = words.integers("block rows", rows)
     column_end = words.integers("block columns", columns)

@@ -43,10 +43,7 @@ CATEGORIES = dict(type="Rcr, disc, member of a clump, prescribed motion",
 
 
 def grain_colors(frame, color, range, cmap):
-    """Return faces (N, 4) of a Frame's grains, and their key: (mappable, scale), "kinds" or None.
-
-    The other arguments are those of `rcr.plot.packing`.
-    """
+    """Return faces (N, 4) of grains and their key: (mappable, scale), "kinds" or None."""
     count, name = len(frame.grains["id"]), color if isinstance(color, str) else None
     if name == "shape":
         return to_rgba_array(frame.grains["color"]), None

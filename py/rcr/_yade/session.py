@@ -78,10 +78,7 @@ def _time_step_advice(omega):
 
 
 def _responsive(run):
-    """O.run whose wait ends with the run, and whose Ctrl-C ends the run.
-
-    YADE checks every 40 ms, which is longer than many runs.
-    """
+    """O.run that notices its end and Ctrl-C within 5 ms; YADE checks every 40 ms."""
 
     @functools.wraps(run)
     def wrapped(omega, nSteps=-1, wait=False):
@@ -122,10 +119,7 @@ def _after_step(method):
 
 
 def _raising(method):
-    """Method that raises the error of YADE's run thread.
-
-    YADE itself raises it only in a session that already waits.
-    """
+    """Method that raises errors of YADE's run thread; YADE does so only in a waiting session."""
 
     @functools.wraps(method)
     def wrapped(omega, *arguments, **keywords):
@@ -161,10 +155,7 @@ def _checked_erase(erase):
 
 
 def refuse_unknown_attributes(classes):
-    """Make an assignment to an unknown attribute of these classes an error.
-
-    YADE accepts it: a misspelt setting would have no effect.
-    """
+    """Make an assignment to an unknown, perhaps misspelt attribute of these classes an error."""
 
     def set_attribute(self, name, value):
         kind = type(self)

@@ -40,7 +40,12 @@ def critical_time_step(points=6):
     range.
     """
     loops = [e for e in O.engines if isinstance(e, InteractionLoop) and not e.dead]
-    damping, stiffness_of = _damping(loops), _stiffnesses(loops)
+    laws = [law for loop in loops for law in loop.lawDispatcher.functors
+            if isinstance(law, Law2_RcrGeom_FrictPhys_CundallStrack)]
+    if not laws:
+        raise ValueError("O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack; rigid contacts "
+                         "do not bound the time step")
+    damping, stiffness_of = laws[0].damping, _stiffnesses(loops)
     steps, plates, stiffest, heaviest = [], [], 0.0, 0.0
     for body in O.bodies:
         members = [O.bodies[k] for k in body.shape.members] if body.isClump else [body]
@@ -58,16 +63,6 @@ def critical_time_step(points=6):
     row = math.sqrt(len(steps))
     return min(steps + [_stable_step_of_plate(plate, row, stiffest, heaviest, damping)
                         for plate in plates])
-
-
-def _damping(loops):
-    """Return the damping ratio of the smooth law."""
-    laws = [law for loop in loops for law in loop.lawDispatcher.functors]
-    laws = [law for law in laws if isinstance(law, Law2_RcrGeom_FrictPhys_CundallStrack)]
-    if not laws:
-        given = "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"
-        raise ValueError(f"{given}; rigid contacts do not bound the time step")
-    return laws[0].damping
 
 
 def _stiffnesses(loops):

@@ -25,10 +25,7 @@ NETWORKS = "network-*.h5"
 
 
 def save(test, folder, state=False):
-    """Write history.csv and a checkpoint: scene, parameters and history in one file.
-
-    With `state`, the checkpoint is also kept as one of the last states of the folder.
-    """
+    """Write history.csv and a checkpoint, also as one of the last states if `state` is set."""
     data = dict(parameters=test.parameters, progress=test.progress, rows=test.rows)
     O.tags["biaxial"] = json.dumps(data, separators=(",", ":"))
     files.write(os.path.join(folder, "history.csv"), files.table(HISTORY_COLUMNS, test.rows))

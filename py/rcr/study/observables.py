@@ -71,10 +71,7 @@ def over_mean(force):
 
 
 def force_distribution(force, edges, suffix):
-    """Return the density of f/⟨f⟩ and its exponents α above and β below the mean.
-
-    [paper, eqs. strong_fn, strong_ft]
-    """
+    """Return the density of f/⟨f⟩, α above and β below the mean [eqs. strong_fn, strong_ft]."""
     force = over_mean(force)
     alpha, alpha_error = statistics.exponential_rate(force)
     beta, beta_error = statistics.power_exponent(force, POWER_RANGE)
@@ -222,10 +219,7 @@ MEASURES = dict(  # observable: (function, {name in analysis.json: grid of its a
 
 
 def with_errors(parts):
-    """Return {name: value, name_error: standard error}.
-
-    The first of `parts` gives the values, the others the errors.
-    """
+    """Return {name: value of the first part, name_error: standard error of the other parts}."""
     whole, *snapshots = parts
     values = {}
     for name, value in whole.items():
@@ -239,10 +233,7 @@ def with_errors(parts):
 
 
 def measures(ensemble, grids, parts=None):
-    """Return {observable: {name: value or error}} of one ensemble.
-
-    Errors are those over its `parts`, by default its snapshots.
-    """
+    """Return {observable: {name: value, or error over `parts`, by default the snapshots}}."""
     parts = ensemble.snapshots() if parts is None else parts
     found = [{key: measure(e, grids) for key, (measure, _) in MEASURES.items()}
              for e in (ensemble, *parts)]

@@ -77,10 +77,7 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
 
 
 def _map_networks(runs):
-    """Yield each map's observable and network, of the first seed of an elongation.
-
-    O2 shows the isotropic state, other maps the last snapshot.
-    """
+    """Yield each map's observable and network of a first seed: isotropic (O2) or last."""
     etas = [run.eta for run in runs]
     for key, targets in MAPS.items():
         for eta in nearest(etas, targets):

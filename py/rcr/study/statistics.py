@@ -77,10 +77,7 @@ def common_slope(groups):
 
 
 def standard_error(values):
-    """Return the standard deviation over √(number) along the first axis, of finite values.
-
-    It is NaN for fewer than two values.
-    """
+    """Return standard deviations over √(number) of finite values, first axis; NaN for one value."""
     values = np.ma.masked_invalid(np.asarray(values, dtype=float))
     variance = values.var(axis=0, ddof=1) / values.count(axis=0)
     return np.sqrt(np.ma.filled(variance, np.nan))

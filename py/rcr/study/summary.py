@@ -33,11 +33,10 @@ def _strength(test, include_yielded):
     used = [row for row in late if include_yielded or row["yielded_steps"] == 0]
     found = dict(strain=test.strain, sin_phi=None, sin_phi_std=None, stress_x_std=None)
     if used:
-        stresses = [np.mean([row[name] for row in used]) for name in ("stress_x", "stress_y")]
-        lateral = np.std([row["stress_x"] for row in used]) / PROTOCOL.confining_stress
-        found["sin_phi"] = float(sin_phi(stresses))
-        found["sin_phi_std"] = float(np.std([row["sin_phi"] for row in used]))
-        found["stress_x_std"] = float(lateral)
+        x, y, ratio = np.transpose([[row[k] for k in ("stress_x", "stress_y", "sin_phi")]
+                                    for row in used])
+        found |= dict(sin_phi=float(sin_phi([x.mean(), y.mean()])), sin_phi_std=float(ratio.std()),
+                      stress_x_std=float(x.std() / PROTOCOL.confining_stress))
     return found | dict(
         records=len(late), records_left_out=len(late) - len(used), include_yielded=include_yielded)
 

@@ -25,10 +25,7 @@ class Finding:
 
 
 def findings(analysis):
-    """Return a list of `Finding` in the order of the observables.
-
-    `analysis` is a result of `rcr.study.analysis.analyse`.
-    """
+    """Return a `Finding` for each statement, by observable, from a result of `analyse`."""
     values = {key: entry["value"] for key, entry in analysis.items()}
     rows = []
     for observable, statement, criterion, test in CLAIMS:

@@ -48,9 +48,6 @@ def eta_legend(figure, ax):
 
 
 def legend_outside(figure, ax, place, columns, **options):
-    """Add the legend of `ax` to a figure, above or below all axes; `place` as of Matplotlib.
-
-    Matplotlib before 3.7 draws it over the axes.
-    """
+    """Add the legend of `ax` beside all axes; Matplotlib before 3.7 draws it over them."""
     loc = place if matplotlib.__version_info__ < (3, 7) else f"outside {place}"
     figure.legend(*ax.get_legend_handles_labels(), loc=loc, ncol=columns, **options)

@@ -70,10 +70,7 @@ def plot_contact_directions(value, ax=None):
 
 
 def plot_vector_directions(value, name, sigma, ax=None):
-    """Draw a mean component, normal (…_n) or tangential (…_t), by direction, with its Fourier fit.
-
-    [O16, O17]
-    """
+    """Draw a normal (…_n) or tangential (…_t) mean by direction, and its fit [O16, O17]."""
     row = polar_row(value)
     amplitudes = column(value, f"{name}_amplitude")[row]
     means = column(value, f"{name}_mean")[row] if name.endswith("n") else np.zeros_like(amplitudes)
