@@ -65,14 +65,17 @@ def stability_rows():
 
 def hard_scenes():
     """Verdicts of every hard scene."""
-    runs = {(row["scene"], row["law"], row["dt"]): f"{row['verdict']} ({row['measured']:.1g})"
-            for row in stability_rows()}
+    runs = {(row["scene"], row["law"], row["dt"]): row for row in stability_rows()}
+
+    def result(*key):
+        return f"{runs[key]['verdict']} ({runs[key]['measured']:.1g})" if key in runs else ""
+
     rows = []
     for name in dict.fromkeys(scene for scene, _, _ in runs):
         scene = suite.scene(name)
         rows.append([suite.title(name), scene.PREDICATE, f"{scene.BOUND:g}",
-                     *(runs.get((name, *key), "")
-                       for key in (("cd", 1e-3), ("cd", 1e-2), ("smooth", 1e-4)))])
+                     result(name, "cd", 1e-3), result(name, "cd", 1e-2),
+                     result(name, "smooth", 1e-4)])
     header = ["scene", "measure", "bound", "rigid, 1 ms", "rigid, 10 ms", "springs, 0.1 ms"]
     return table(header, rows)
 
@@ -101,11 +104,15 @@ def sloshing():
 
 def step_threads():
     """Fastest step of each packing on one and on two threads, from scripts/bench_step.py."""
-    rows = [row for row in measured("step-threads") if row["way"] == "arrays"]
+    groups = {}
+    for row in measured("step-threads"):
+        if row["way"] == "arrays":
+            groups.setdefault(row["folder"], []).append(row)
     lines = []
-    for folder in dict.fromkeys(row["folder"] for row in rows):
-        first, *_ = group = [row for row in rows if row["folder"] == folder]
-        one, two = (min(row["ms_least"] for row in group if row["threads"] == n) for n in (1, 2))
+    for rows in groups.values():
+        one, two = (min(row["ms_least"] for row in rows if row["threads"] == threads)
+                    for threads in (1, 2))
+        first = rows[0]
         lines.append([f"{first['grains']:.0f}", f"{first['eta']:g}", f"{first['points']:.0f}",
                       f"{one:.2g}", f"{two:.2g}", f"{one / two:.2f}"])
     return table(["grains", "η", "contact points", "one thread [ms]", "two threads [ms]", "ratio"],

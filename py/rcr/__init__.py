@@ -36,8 +36,10 @@ def __getattr__(name):
     if name in _LAZY:
         return getattr(importlib.import_module(f"rcr.{_LAZY[name]}"), name)
     if "_classes" not in globals() and (name in _SCENE or _CLASSES.fullmatch(name)):
-        raise AttributeError(f"rcr.{name} needs a YADE session: run the script by yade (in a clone "
-                             "scripts/yade-rcr), or import yade before rcr")
+        raise AttributeError(
+            f"rcr.{name} needs a YADE session: run the script by yade (in a clone: "
+            "scripts/yade-rcr), or import yade before rcr"
+        )
     raise AttributeError(f"module 'rcr' has no attribute {name!r}")
 
 
@@ -55,7 +57,8 @@ def _load_plugin():
         raise ImportError(
             f"rcr in {os.path.dirname(__file__)} has no plugin for YADE, only the analysis; run "
             "scripts/yade-rcr, which builds it and starts YADE with it, or install the plugin, see "
-            "docs/installation.md. Without YADE, in plain python3, `import rcr` works.") from error
+            "docs/installation.md. Without YADE, in plain python3, `import rcr` works."
+        ) from error
     finally:
         sys.setdlopenflags(flags)
     if plugin.version_error:

@@ -28,26 +28,28 @@ def info():
     """
     import rcr
 
+    yade, plugin = sys.modules.get("yade"), sys.modules.get("rcr._plugin")
+    facts = Info(rcr=rcr.__version__, YADE=yade.config.version if yade else "not loaded")
+    facts["plugin"] = facts["3D view"] = "not loaded"
+    if plugin:
+        drawn = [name for name in plugin.classes if name.startswith("Gl1_")]
+        facts["plugin"] = f"for YADE {plugin.yade_version}"
+        facts["3D view"] = ", ".join(drawn) or "left out: built without OpenGL"
     try:
         from rcr import _kernel
     except ImportError:
-        _kernel = None
-    yade, plugin = sys.modules.get("yade"), sys.modules.get("rcr._plugin")
-    view, threads = "not loaded", os.environ.get("OMP_NUM_THREADS", "as many as processors")
-    if plugin:
-        drawn = [name for name in plugin.classes if name.startswith("Gl1_")]
-        view = ", ".join(drawn) or "left out: built without OpenGL"
+        facts |= dict(build="not built", lanes="not built")
+    else:
+        facts |= dict(build=_kernel.build, lanes=_kernel.lanes())
+    facts["threads"] = os.environ.get("OMP_NUM_THREADS", "as many as processors")
     if yade:
-        threads = sys.modules["yade.wrapper"].Omega().numThreads
-    processors = f"{len(os.sched_getaffinity(0))} of {os.cpu_count()} processors"
-    return Info({
-        "rcr": rcr.__version__, "YADE": yade.config.version if yade else "not loaded",
-        "plugin": f"for YADE {plugin.yade_version}" if plugin else "not loaded", "3D view": view,
-        "build": _kernel.build if _kernel else "not built",
-        "lanes": _kernel.lanes() if _kernel else "not built", "threads": threads,
-        "processor": f"{_processor()}, {processors}", "system": platform.platform(),
-        "Python": platform.python_version(), **{name: _library(name) for name in LIBRARIES},
-        "ffmpeg": shutil.which("ffmpeg") or "not installed: films are GIFs"})
+        facts["threads"] = sys.modules["yade.wrapper"].Omega().numThreads
+    count = f"{len(os.sched_getaffinity(0))} of {os.cpu_count()} processors"
+    facts["processor"] = f"{_processor()}, {count}"
+    facts["system"], facts["Python"] = platform.platform(), platform.python_version()
+    facts |= {name: _library(name) for name in LIBRARIES}
+    facts["ffmpeg"] = shutil.which("ffmpeg") or "not installed: films are GIFs"
+    return facts
 
 
 def _library(name):

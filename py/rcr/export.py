@@ -72,7 +72,8 @@ class VtkSeries:
             parts = [part.attrib for part in xml.parse(self.index).iter("DataSet")]
             return [(float(part["timestep"]), part["file"]) for part in parts]
         except (xml.ParseError, KeyError, ValueError) as error:
-            raise ValueError(f"{self.index}: not a series of VtkSeries ({error})") from error
+            given = f"{self.index}: not a series of VtkSeries ({error})"
+            raise ValueError(f"{given}; remove it or choose another name") from error
 
     def save(self, what=None):
         """Add a scene or network of known time, by default YADE's scene; return the index."""

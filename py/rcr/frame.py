@@ -87,7 +87,8 @@ class Frame:
             what = Network.load(what)
         if isinstance(what, Network):
             return cls.of_network(what)
-        raise TypeError(f"{type(what).__name__} given; expected None, a Frame, a Network or a path")
+        expected = "None (the present scene of YADE), a Frame, a Network or the path of one"
+        raise TypeError(f"{type(what).__name__} given; expected {expected}")
 
     @classmethod
     def of_scene(cls):
@@ -95,7 +96,8 @@ class Frame:
         try:
             from rcr._yade import scene_arrays
         except ImportError as error:
-            raise ValueError("no scene without YADE; give a rcr.Network or its path") from error
+            todo = "give a rcr.Network or the path of one"
+            raise ValueError(f"no scene: this Python runs without YADE; {todo}") from error
         frame = cls(**scene_arrays.read())
         free1, free2 = frame.free_ends()
         frame.contacts["type"][~(free1 & free2)] = WALL

@@ -129,7 +129,8 @@ class Network:
         It is (2, 2), compression positive [Pa]. A ValueError reports a network without a volume.
         """
         if "volume" not in self.attributes:
-            raise ValueError("the network has no volume; give it: rcr.contact_network(volume=…)")
+            todo = "give the area of the region [m²]: rcr.contact_network(volume=…)"
+            raise ValueError(f"the network has no volume, which the stress needs; {todo}")
         return self._moments() / self.attributes["volume"]
 
     def _moments(self):
@@ -226,7 +227,8 @@ class Network:
             raise ValueError(f"contacts/friction is NaN for {given}; the mobilisation needs a "
                              "coefficient of each: give this column or the attribute friction")
         if not (friction > 0).any():
-            raise ValueError(f"friction = {friction.max():g} between all grains; expected > 0")
+            given = f"friction = {friction.max():g} between all grains"
+            raise ValueError(f"{given}; the mobilisation needs a coefficient > 0")
         limit = friction * force[:, 0]
         tangential = np.abs(force[:, 1])
         return np.divide(tangential, limit, out=np.zeros_like(limit), where=friction > 0)

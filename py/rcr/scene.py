@@ -170,7 +170,8 @@ def segment(start, end, material=-1):
     start, end = _point("start", start), _point("end", end)
     length = (end - start).norm()
     if not length > 0 or start[2] != end[2]:
-        raise checks.error("start, end", (*start, *end), "two different points at one z [m]")
+        given = f"start = {tuple(start)}, end = {tuple(end)}"
+        raise ValueError(f"{given}; expected two different points at one z [m]")
     middle, out = (start + end) / 2, Vector3(0, 0, 0.1 * length)
     # the ends are the midpoints of two edges
     corners = (2 * start - middle - out, 2 * end - middle - out, middle + out)

@@ -105,7 +105,7 @@ def loose_grains():
 
 
 def begin(scene, width=CELL):
-    """An empty scene, in a cell of this width if periodic; returns the material of its bodies."""
+    """An empty scene, in a cell of this width if it is periodic; returns the material of its bodies."""
     O.reset()
     material = scenes.springy(scene["friction"])
     O.materials.append(material)

@@ -71,7 +71,8 @@ def check_writable(path):
     if os.path.isdir(path):
         raise IsADirectoryError(21, "is a folder; expected the name of a file", path)
     if os.path.exists(path) and not stat.S_ISREG(os.stat(path).st_mode):
-        raise OSError(22, "is not a regular file", path)
+        message = "is not a regular file; expected the name of a new or a regular file"
+        raise OSError(22, message, path)
     if not os.path.isdir(folder):
         raise FileNotFoundError(2, "this folder does not exist", folder)
     if not os.access(folder, os.W_OK | os.X_OK):

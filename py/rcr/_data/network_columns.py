@@ -13,7 +13,8 @@ SHAPES = dict(
     particles=dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(),
                    velocity=(3,), clump=(), center=(2,)),
     contacts=dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,),
-                  points=(), friction=()))
+                  points=(), friction=()),
+)  # fmt: skip
 INTEGERS = {"id", "body1", "body2", "type", "points", "clump"}
 
 
@@ -74,7 +75,8 @@ def check_meaning(particles, contacts, attributes):
     checks.require(abs(length - 1) < 1e-6, "the length of contacts/normal", length, "1")
     normal_force = np.einsum("ca,ca->c", contacts["force"], contacts["normal"])
     if len(length) and not normal_force.mean() > 0:
-        raise ValueError(f"the mean normal force is {normal_force.mean():g}; expected > 0")
+        given = f"the mean normal force is {normal_force.mean():g}"
+        raise ValueError(f"{given}; expected > 0, compression")
     ranges = dict(strain=("a finite number", math.isfinite),
                   eta=("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
                   friction=("a finite coefficient ≥ 0", lambda v: 0 <= v < math.inf))

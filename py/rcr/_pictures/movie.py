@@ -36,7 +36,8 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
     path = folder / "movie.gif" if path is None else pathlib.Path(path)
     kind = PillowWriter if path.suffix == ".gif" else FFMpegWriter
     if not kind.isAvailable():
-        raise ValueError(f"{path}: needs ffmpeg, which is not installed; give a name *.gif")
+        needed = "this format needs ffmpeg, which is not installed"
+        raise ValueError(f"{path}: {needed}; give a name that ends in .gif")
     found = {suffix: sorted(folder.glob(f"*{suffix}"), key=_natural_order)
              for suffix in (".h5", ".png")}
     if found[".h5"]:
@@ -44,7 +45,8 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
     elif found[".png"]:
         figure, draw, shots = _pictures(found[".png"], dpi)
     else:
-        raise ValueError(f"{folder} holds no snapshots; expected *.h5 or *.png")
+        expected = "*.h5 (Network.save) or *.png (rcr.snapshot)"
+        raise ValueError(f"{folder} holds no snapshots; expected {expected}")
     writer = kind(fps=fps)
     with atomic_path(path) as partial:
         writer.setup(figure, partial, dpi)

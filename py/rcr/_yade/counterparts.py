@@ -18,10 +18,13 @@ COUNTERPARTS = {  # function of rcr: functions of yade.utils and yade.export, an
     "rcr.contact_network(volume=…).fabric()": ["fabricTensor"],
     "rcr.contact_network(volume=…).coordination()": ["avgNumInteractions"],
     "rcr.contact_network(volume=…).particles['mass']": ["getSpheresMass"],
-    "rcr.Profile": ["getDepthProfiles", "getDepthProfiles_center", "getSlicedProfiles",
-                    "getStressProfile", "getStressProfile_contact"],
-    "rcr.critical_time_step (springs; rigid contacts have no such bound)":
-        ["PWaveTimeStep", "RayleighWaveTimeStep"],
+    "rcr.Profile": [
+        "getDepthProfiles", "getDepthProfiles_center", "getSlicedProfiles", "getStressProfile",
+        "getStressProfile_contact",
+    ],
+    "rcr.critical_time_step (springs; rigid contacts have no such bound)": [
+        "PWaveTimeStep", "RayleighWaveTimeStep",
+    ],
     "ContactDynamics.deepestOverlap": ["maxOverlapRatio"],
     "rcr.export.vtk": ["VTKExporter"],
     "rcr.export.VtkSeries": ["VTKRecorder"],

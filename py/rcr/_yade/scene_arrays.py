@@ -11,10 +11,14 @@ from yade.wrapper import (
 from rcr._data.network_columns import CAP_CAP, rows as rows_of
 from rcr._pictures.outlines import areas
 
-_GRAINS = dict(id=int, clump=int, fixed=bool, position=(float, 2), angle=float, half_length=float,
-               cap_radius=float, mass=float, velocity=(float, 3), color=(float, 3))
-_CONTACTS = dict(body1=int, body2=int, type=int, points=int, position=(float, 2),
-                 normal=(float, 2), force=(float, 2), friction=float, shift=(float, 2))
+_GRAINS = dict(
+    id=int, clump=int, fixed=bool, position=(float, 2), angle=float, half_length=float,
+    cap_radius=float, mass=float, velocity=(float, 3), color=(float, 3),
+)  # fmt: skip
+_CONTACTS = dict(
+    body1=int, body2=int, type=int, points=int, position=(float, 2), normal=(float, 2),
+    force=(float, 2), friction=float, shift=(float, 2),
+)  # fmt: skip
 _WALLS = dict(id=int, axis=int, position=float)
 
 

@@ -70,8 +70,10 @@ def _stiffnesses(loops):
     functors = [ip2 for loop in loops for ip2 in loop.physDispatcher.functors]
     stock = [ip2 for ip2 in functors if isinstance(ip2, Ip2_FrictMat_FrictMat_FrictPhys)]
     makers = {name: [getattr(ip2, name) for ip2 in stock] for name in ("kn", "ks")}
-    given = {name: next((maker.val for maker in found if maker and maker.algo == "val"), None)
-             for name, found in makers.items()}
+    given = {
+        name: next((maker.val for maker in found if maker and maker.algo == "val"), None)
+        for name, found in makers.items()
+    }
     stiffest = {}  # (k_n, k_s) by id of the body
     for i in O.interactions:
         if i.isReal and isinstance(i.phys, FrictPhys):
@@ -90,7 +92,8 @@ def _stiffnesses(loops):
 def _stable_step(body, members, kn, ks, points, damping):
     """Return the stable time step of a grain or clump [s]; see `critical_time_step`."""
     if not (kn > 0 and ks >= 0):
-        raise ValueError(f"body #{body.id}: kn = {kn}, ks = {ks}; expected kn > 0, ks ≥ 0 [N/m]")
+        given = f"body #{body.id} has the stiffnesses kn = {kn}, ks = {ks}"
+        raise ValueError(f"{given}; expected kn > 0 and ks ≥ 0 [N/m]")
     m, inertia = body.state.mass, body.state.inertia[2]
     offsets = [(member.state.pos - body.state.pos).norm() for member in members]
     shapes = [lengths(member.shape) for member in members]

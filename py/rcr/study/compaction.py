@@ -51,8 +51,10 @@ def make_scene(parameters):
     centres = _kernel.deposit(radii, width)
     height = (centres[:, 1] + radii).max()
     angles = rng.uniform(0, math.pi, count)
-    grain, plate = (O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=k))
-                    for k in ("grain", "plate"))
+    grain, plate = (
+        O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=label))
+        for label in ("grain", "plate")
+    )
     grains = zip(centres, radii, angles)
     O.bodies.append([rcr.particle(c, R, parameters["eta"], a, grain) for c, R, a in grains])
     mass = sum(b.state.mass for b in O.bodies)
@@ -153,9 +155,12 @@ def compact(test, balance_tolerance):
     solver = test.solver
     if O.iter > PROTOCOL.max_compaction_steps:
         raise RuntimeError(
-            f"the compaction has not come to rest after {O.iter} steps: mean net force over mean "
-            f"contact force {solver.unbalancedForce:.1e} (expected {balance_tolerance:g}), wall "
-            f"stresses {test.mean_stresses / PROTOCOL.confining_stress} σ₀; try another seed")
+            f"the compaction has not come to rest after {O.iter} steps: mean net force of a "
+            f"grain {solver.unbalancedForce:.1e} of the mean contact force (expected "
+            f"{balance_tolerance:g}), wall stresses "
+            f"{test.mean_stresses / PROTOCOL.confining_stress} σ₀ (expected 1); "
+            "try another seed or a smaller tolerance"
+        )
     unbalance = min(0.1, max(solver.unbalancedForce, balance_tolerance))
     solver.tolerance = PROTOCOL.relaxation_tolerance * unbalance
     if test.progress["phase"] == "collapse":

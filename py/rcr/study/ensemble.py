@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from rcr.network import COMPLEX, LEFT, RIGHT
+from rcr.network import COMPLEX, LEFT, RIGHT, Network
 from rcr.xi_networks import XiNetworks
 
 
@@ -39,6 +39,10 @@ class Ensemble:
     def __init__(self, networks):
         if not networks:
             raise ValueError("no snapshots: an ensemble needs at least one network")
+        strange = [network for network in networks if not isinstance(network, Network)]
+        if strange:
+            raise ValueError(
+                f"{strange[0]!r:.60} is not a network; expected a result of rcr.Network.load")
         self.eta, self.friction = (common_value(networks, name) for name in ("eta", "friction"))
         self._networks = list(networks)
         parts = [_contacts(network) for network in networks]
@@ -96,6 +100,8 @@ def _across(network):
         inverse = np.linalg.inv(network.attributes["cell"])
         return network.contacts["position"] @ inverse[0] % 1
     x, body = network.contacts["position"][:, 0], network.contacts["body2"]
-    left, right = (x[body == wall].mean() if (body == wall).any() else end
-                   for wall, end in ((LEFT, x.min()), (RIGHT, x.max())))
+    left, right = (
+        x[body == wall].mean() if (body == wall).any() else end
+        for wall, end in ((LEFT, x.min()), (RIGHT, x.max()))
+    )
     return np.clip((x - left) / (right - left), 0, 1) if right > left else np.zeros_like(x)

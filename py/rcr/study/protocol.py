@@ -86,8 +86,9 @@ def check_networks(networks, strain):
     """Raise ValueError for more networks than records of the history."""
     most = math.floor(strain / PROTOCOL.record_strain + 1e-6)
     if networks > most:
-        raise ValueError(f"--networks {networks} up to --strain {strain:g}: expected at most "
-                         f"{most}, one for each record of {PROTOCOL.record_strain:g}")
+        expected = f"at most {most}, one for each record of {PROTOCOL.record_strain:g}"
+        raise ValueError(f"--networks {networks} up to --strain {strain:g}: expected {expected}; "
+                         "give fewer networks or a larger strain")
 
 
 def is_critical(strain, start, end=math.inf):
@@ -153,9 +154,10 @@ def _check_combination(parameters):
         raise ValueError(f"solver {solver!r} is not known; expected one of {', '.join(names)}")
     law, strain = parameters["law"], parameters["inertial_number"] * parameters["time_step"]
     if law == "cd" and strain > PROTOCOL.record_strain:
-        raise ValueError(f"inertial_number × time_step = {strain:g} is the strain of a step; "
-                         f"expected at most {PROTOCOL.record_strain:g}, that of a record")
+        expected = f"at most {PROTOCOL.record_strain:g}, the strain of a record"
+        given = f"inertial_number × time_step = {strain:g} is the strain of a step"
+        raise ValueError(f"{given}; expected {expected}")
     for name, user in dict(stiffness="smooth", time_step="cd").items():
         if law != user and parameters[name] != getattr(PROTOCOL, name):
-            raise ValueError(f"{name} = {parameters[name]:g} with law = {law!r}: the law {user!r} "
-                             "alone uses it")
+            given = f"{name} = {parameters[name]:g} with law = {law!r}"
+            raise ValueError(f"{given}: the law {user!r} alone uses it; leave it out")

@@ -90,10 +90,12 @@ def _map_networks(runs):
 def _page(runs, analysis, table, pictures):
     small = max(map(int, analysis["O1"]["value"]["particles"])) < FEWEST
     rows = "".join(_row(row, small) for row in table)
-    parts = [_HEAD, "<h1>Force networks of elongated particles</h1>",
-             f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>",
-             f"<p>{_SMALL if small else ''}{summary(table)}. {_RULE}</p>",
-             f"<table>{_TITLES}{rows}</table>", "<h2>Figures</h2>"]
+    parts = [
+        _HEAD, "<h1>Force networks of elongated particles</h1>",
+        f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>",
+        f"<p>{_SMALL if small else ''}{summary(table)}. {_RULE}</p>",
+        f"<table>{_TITLES}{rows}</table>", "<h2>Figures</h2>",
+    ]  # fmt: skip
     for key, entry in analysis.items():
         images = "".join(_image(path) for path in pictures[key])
         caption = f"<b>{key}</b> Paper: {html.escape(entry['paper'])}."

@@ -247,6 +247,5 @@ def _check_seeds(runs):
                              "expected runs of different seeds")
         different = results.differing(one.record["parameters"], two.record["parameters"], _FREE)
         if different:
-            different = different.replace("(here ", f"({two.folder} ")
-            raise ValueError(f"{one.folder} has {different}; expected runs that differ in their "
-                             "seed alone")
+            given = f"{one.folder} has {different.replace('(here ', f'({two.folder} ')}"
+            raise ValueError(f"{given}; expected runs that differ in their seed alone")

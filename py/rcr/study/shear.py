@@ -148,10 +148,11 @@ def _records_at_this_speed(test, most):
 def shear(test, records, end=1):
     """Shear by a number of records, each of 0.1 % of strain and with a row of the history.
 
-    The shear stops at the first record of this call at which the test has reached the strain `end`.
-    Records with equal wall speed and time step are one run of YADE, since each run reads all bodies
-    once. The results are those of one run per record, to the bit. A packing that has blown up
-    raises a RuntimeError.
+    The shear stops at the first record, of this call, at which the test has reached the strain
+    `end`.
+    Records with equal wall speed and time step are one run of YADE, since each run reads all
+    bodies once. The results are those of one run per record, to the bit. A packing that has blown
+    up raises a RuntimeError.
     """
     solver, top = test.solver, O.bodies[test.top].state
     while records > 0:
@@ -180,7 +181,9 @@ def history_row(test, record):
     if not (np.isfinite([*stresses, strain]).all() and low < ratio < high):
         shown = " and ".join(f"{s / PROTOCOL.confining_stress:.3g}" for s in stresses)
         raise RuntimeError(
-            f"the packing has blown up by step {record['step']}, strain {strain:.4g}: packing "
-            f"fraction {fraction:.4g}, wall stresses {shown} σ₀; take a smaller time step")
+            f"the packing has blown up by step {record['step']}, strain {strain:.4g}: "
+            f"packing fraction {fraction:.4g}, stresses of the walls {shown} σ₀; "
+            "take a smaller time step, inertial number or tolerance"
+        )
     found = record | dict(strain=strain, sin_phi=sin_phi(stresses), packing_fraction=fraction)
     return {name: found[name] for name in HISTORY_COLUMNS}

@@ -11,6 +11,8 @@ from rcr.study.statistics import pearson
 
 LONG = (0.01, 1)  # η of grains that are no discs
 
+# --- strength and compaction ------------------------------------------------------------------
+
 
 @claim("O1", "sin φ = 0.30 + 0.30 η at the critical state", "within 0.02 or two errors at every η")
 def _(v):
@@ -43,6 +45,9 @@ def _(v):
     fraction = require_finite(v["packing_fraction"], "no isotropic.h5")
     densest = v["eta"][np.argmax(fraction)]
     return 0.3 - 1e-9 <= densest <= 0.5 + 1e-9, list_by_eta(v["eta"], fraction, 3), ""
+
+
+# --- forces and friction ----------------------------------------------------------------------
 
 
 claim("O3", "α_n falls with η", "slope negative beyond two errors")(
@@ -125,6 +130,9 @@ def _(v):
        "a map: to be looked at")
 def _(v):
     raise NotTested("see the map")
+
+
+# --- branch vectors and contact types ---------------------------------------------------------
 
 
 def _mode(l_r, eta, pdf, errors, place):
@@ -216,6 +224,9 @@ def _(v):
     sign = _sign_up_to_0_3(v["eta"])
     slopes, errors = np.transpose([slope_of(v["l"], means) for means in v["f_l"]])
     return sign * slopes > 0, slopes, errors
+
+
+# --- anisotropies and shear stress ------------------------------------------------------------
 
 
 @claim("O14", "at η = 0.5 P(θ, ξ) has the axis of σ₁ for every ξ",

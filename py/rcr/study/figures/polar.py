@@ -75,8 +75,9 @@ def plot_vector_directions(value, name, sigma, ax=None):
     amplitudes = column(value, f"{name}_amplitude")[row]
     means = column(value, f"{name}_mean")[row] if name.endswith("n") else np.zeros_like(amplitudes)
     wave = np.cos if name.endswith("n") else np.sin
-    fits = [lambda theta, m=m, a=a: m + a * wave(2 * (theta - sigma))
-            for m, a in zip(means, amplitudes)]
+    fits = [
+        lambda theta, m=m, a=a: m + a * wave(2 * (theta - sigma)) for m, a in zip(means, amplitudes)
+    ]
     labels = [xi_label(value, xi, "xi_polar") for xi in column(value, "xi_polar")]
     return plot_polar(column(value, "theta"), column(value, name)[row], fits, labels, ax)
 
