@@ -48,7 +48,7 @@ def draw(rng):
         turning=bool(rng.random() < 0.1), speed=float(rng.choice([0, 1, 20])),
         energy=bool(rng.random() < 0.3),
         gradient=[float(g) for g in rng.choice([0, 0, -1, 0.5], 4)] if periodic else None,
-        homoDeform=int(rng.choice([0, 1, 2])) if periodic else None,
+        homoDeform=int(rng.choice([0, 1, 2])) if periodic else None, width=CELL,
         fault=str(rng.choice(["none"] * 12 + list(FAULTS))), reload=bool(rng.random() < 0.1),
         erase=bool(rng.random() < 0.2) and not periodic,  # YADE's collider fails in a cell
     )  # fmt: skip
@@ -111,7 +111,7 @@ def begin(scene, width=CELL):
     O.materials.append(material)
     if scene["periodic"]:
         O.periodic = True
-        O.cell.setBox(width, width, width)
+        O.cell.setBox(*3 * [scene["width"]])
     return material
 
 

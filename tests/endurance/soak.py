@@ -240,7 +240,7 @@ def outcome(seed, counts):
     """Run one scene; None, or a sentence that describes the error. Counts events and steps."""
     rng = np.random.default_rng([seed, 1])
     scene = draw(rng)
-    material = scene_fuzzer.begin(scene, WIDTH)
+    material = scene_fuzzer.begin(scene)
     if not scene["periodic"]:
         container(scene, material)
     for _ in range(scene["count"]):

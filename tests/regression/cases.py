@@ -21,8 +21,8 @@ PLAIN = dict(
     kinds=["Rcr", "Sphere", "Rcr", "clump"] * 3, floor="Wall", turning=False, speed=1.0,
     energy=True, gradient=None,
 )  # fmt: skip
-CELL = dict(periodic=True, gravity=0.0, gradient=[-0.3, 0.5, 0.0, -0.3], count=24,
-            kinds=["Rcr", "Sphere", "Rcr", "clump"] * 6, speed=3.0)
+CELL = dict(periodic=True, gravity=0.0, gradient=[-0.3, 0.5, 0.0, -0.3], homoDeform=2, width=2.4,
+            count=24, kinds=["Rcr", "Sphere", "Rcr", "clump"] * 6, speed=3.0)
 
 SCENES = {
     **{f"rigid, {solver}": dict(solver=solver) for solver in SOLVERS},

@@ -36,6 +36,10 @@ def test_checkpoint(tmp_path):
                 whole["threads"]) == ("scene", "20", "0.5", "7", "2")
         assert float(whole["ms_least"]) <= float(whole["ms"]) and float(whole["tolerance"]) == 1e-4
         assert sum(float(row["ms"]) for row in engines) <= float(whole["ms"])
-    bench(tmp_path / "scene", "--steps", 3, "--iterations", 13, "--out", tmp_path / "sweeps")
-    for whole in rows_of(tmp_path / "sweeps" / "yade_step.csv"):
+
+
+def test_so_many_sweeps(tmp_path):
+    Biaxial.prepare(eta=0.5, particles=20).save(tmp_path)
+    bench(tmp_path, "--steps", 3, "--iterations", 13, "--out", tmp_path / "out")
+    for whole in rows_of(tmp_path / "out" / "yade_step.csv"):
         assert float(whole["iterations"]) == 13 and float(whole["tolerance"]) == 0

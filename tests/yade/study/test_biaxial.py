@@ -78,7 +78,7 @@ def packing(request, tmp_path_factory):
     points = np.array([(i.id1, i.id2, force[0]) for i in O.interactions
                        for force in (i.phys.force1, i.phys.force2)[: i.phys.points]
                        if force[0] > 0])
-    return Packing(request.param, folder, test.network(), points, net, test.mean_stresses)
+    return Packing(request.param, folder, test.isotropic, points, net, test.mean_stresses)
 
 
 def test_frictionless_packing_is_isostatic(packing):
@@ -450,6 +450,9 @@ def test_networks_of_an_abandoned_part_are_removed(done, option, seed):
     script(*SMALL, "--seed", seed, option, "--out", done)
     assert not (done / "network-0.9999.h5").exists() and (done / "notes").exists()
     assert {Network.load(path).attributes["seed"] for path in done.glob("*.h5")} == {seed}
+
+
+def test_resume_needs_the_record_of_the_run(done):
     (done / "run.json").unlink()
     run = script(*SMALL, "--resume", "--out", done, code=1)
     assert "has no run.json of this script" in run.stderr
