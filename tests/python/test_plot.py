@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from rcr import plot
 from rcr._pictures import drawing
+from rcr._pictures.grain_colors import KIND_COLORS
 from rcr.frame import Frame
 from rcr._pictures.outlines import polygons
 
@@ -104,6 +105,8 @@ def test_every_name_of_a_colour(color):
                  id="three numbers for three grains are no colour"),
     pytest.param(dict(fixed=np.array([False, True, True])), dict(color="red"),
                  ["red", drawing.OBSTACLE, drawing.OBSTACLE], id="fixed grains are grey"),
+    pytest.param(dict(half_length=np.array([0.5, 0, 0.5]), clump=np.array([-1, -1, 0])),
+                 dict(color="type"), KIND_COLORS[:3], id="kinds of grains"),
 ])
 def test_colours_of_grains(grains, options, colors):
     found = colors_of(frame(3, **grains), **options)
