@@ -175,14 +175,17 @@ def reports(eta, particles, of, seed=1):
     return found
 
 
-@pytest.mark.parametrize("eta", [0, 0.1, 0.7])
+@pytest.mark.parametrize("eta", [0.1, 0.7])
 def test_collapse_ends_where_the_grains_carry_the_load(eta):
-    """A longer one compresses to tens of σ₀; its speeds must not add contact points of discs."""
-    found = reports(eta, 1000, lambda test: (test.progress["phase"], test.mean_stresses.min(),
-                                             test.solver.contactPoints))
-    largest = max(stress for phase, stress, _ in found if phase == "collapse")
+    """A longer collapse compresses a large packing to tens of σ₀."""
+    found = reports(eta, 1000, lambda test: (test.progress["phase"], test.mean_stresses.min()))
+    largest = max(stress for phase, stress in found if phase == "collapse")
     assert largest < PROTOCOL.max_collapse_stress * STRESS
-    assert eta or max(points for *_, points in found) < 3500
+
+
+def test_compaction_of_discs_finds_few_contact_points():
+    """Velocities of the collapse must not give the longer steps that follow 12 points a grain."""
+    assert max(reports(0, 1000, lambda test: test.solver.contactPoints)) < 3500
 
 
 def test_walls_stay_smooth_in_shear(packing):
