@@ -104,7 +104,7 @@ def loose_grains():
             and not b.isClumpMember]
 
 
-def begin(scene, width=CELL):
+def begin(scene):
     """An empty scene, in a cell of this width if it is periodic; returns the material of its bodies."""
     O.reset()
     material = scenes.springy(scene["friction"])

@@ -49,6 +49,7 @@ def draw(rng):
     scene["floor"] = str(rng.choice(["Wall", "Box", "Facet", "Rcr"]))
     scene["count"] = int(rng.integers(2, 50))
     scene["speed"] = min(scene["speed"], 20.0)
+    scene["width"] = WIDTH
     if scene["gradient"]:
         a, b, c = (float(rate) for rate in rng.choice([0, 0, -0.3, 0.3], 3))
         scene["gradient"] = [a, b, c, -a]  # constant volume: no compression of the grains
