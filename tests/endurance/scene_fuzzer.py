@@ -18,7 +18,8 @@ from yade.minieigenHP import Quaternion
 
 import children
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "yade"))
+TESTS = pathlib.Path(__file__).parents[1]
+sys.path[:0] = [str(TESTS / "yade"), str(TESTS)]
 import scenes  # noqa: E402
 from scenes import insert, set_state, without  # noqa: E402
 

@@ -2,6 +2,8 @@
 
 import ctypes
 import gc
+import pathlib
+import sys
 
 import numpy as np
 import pytest
@@ -10,12 +12,20 @@ import scene_fuzzer
 import small_scenes
 import soak
 import symmetries
+from common import ended
 from scenes import steps
 from yade import O, wrapper
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
+FOLDER = pathlib.Path(scene_fuzzer.__file__).parent
 SCENES = 25
 LOST = 0.5e3  # most bytes a scene; measured 0.1e3, about one contact
+
+
+@pytest.mark.parametrize("name", ["scene_fuzzer", "run_fuzzer", "symmetries", "soak", "kills",
+                                  "large"])
+def test_each_script_finds_its_modules_without_pytest(name):
+    assert "usage" in ended(sys.executable, FOLDER / f"{name}.py", "--help").stdout
 
 
 @pytest.mark.parametrize("first", range(0, 100, 10))
