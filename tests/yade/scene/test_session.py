@@ -8,8 +8,8 @@ import rcr
 import yade
 import yade.utils
 from scenes import (G, LAWS, build, contact_forces, engines, grain_on_floor, insert, material, pile,
-                    pressed_box, python, refused, resting, set_state, shrinking_cell, snapshot, solver, springs,
-                    springy, stadium, steps, tilted, velocity)
+                    pressed_box, python, refused, resting, set_state, shrinking_cell, snapshot,
+                    solver, springs, springy, stadium, steps, tilted, velocity)
 from yade import O
 from yade.wrapper import MatchMaker, PyRunner
 
