@@ -1,4 +1,4 @@
-"""Draw five charts of error against time and of stability, each as CSV, PNG and SVG.
+"""Draw charts of error against time and of stability, each as CSV, PNG and SVG.
 
 a  one step: residual against time of every solver, warm and cold; Siconos, Chipmunk and Box2D if
    they are installed

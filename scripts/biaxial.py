@@ -48,14 +48,15 @@ def parser():
     add("--time-step", type=number,
         help="time step beyond --approach, in √(m/σ0); not of --law smooth")
     add("--approach", type=number,
-        help="strain up to which the shear is quick, with --inertial-number at least "
-        f"{PROTOCOL.quick_inertial_number:g} and --time-step at most {PROTOCOL.quick_time_step:g}")
+        help="strain of quick shear: inertial number at least "
+        f"{PROTOCOL.quick_inertial_number:g}, time step at most {PROTOCOL.quick_time_step:g}")
     add("--sample-inertia", type=number,
-        help="ρ (v W/h)²/σ0 beyond --approach, at most; lowers the rate of large samples")
+        help="bound of ρ (v W/h)²/σ0 beyond --approach, with v of the top wall, W and h of the box; "
+        "lowers the rate of large samples")
     add("--threads", type=integer, help="threads of the contact solver (default: YADE's -j)")
     add("--tolerance", type=number, help="largest residual of the contact solver")
     add("--iterations", type=integer,
-        help="of the solver in a step of the shear, at most (default: "
+        help="most sweeps of the solver in a step of the shear (default: "
         f"{PROTOCOL.small_iterations} up to {PROTOCOL.small_particles} grains, "
         f"else {PROTOCOL.iterations})")
     add("--solver", help="nlgs, sor, nesterov, exact or auto")

@@ -32,9 +32,9 @@ def arguments():
     add("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
     script.add_results(parser, "results")
     add("--from-strain", type=strain, metavar="E",
-        help="start of the critical state (default: half of its end)")
+        help="first strain of the averages (default: half of the last)")
     add("--to-strain", type=strain, metavar="E",
-        help="end of the critical state (default: each test's end)")
+        help="last strain of the averages (default: each test's end)")
     add("--include-yielded", action="store_true",
         help="keep records and networks whose record has a step without a solution")
     return parser.parse_args()

@@ -67,10 +67,10 @@ def strains_of(run):
 
 
 def test_seeds_are_cumulated_and_only_the_critical_state_counts(result, runs):
-    """Snapshots at strains of 0.1, 0.2, 0.3, 0.4: the critical state starts at 0.2."""
+    """Networks at strains of 0.1, 0.2, 0.3, 0.4: the critical state starts at 0.2."""
     assert [len(run.networks) for run in runs] == [3, 3, 3]
     value = result["O1"]["value"]
-    assert value["seeds"].tolist() == [1, 2] and value["snapshots"].tolist() == [3, 6]
+    assert value["seeds"].tolist() == [1, 2] and value["networks"].tolist() == [3, 6]
     assert value["contacts"].tolist() == [6000, 12000]
     assert value["sin_phi"] == pytest.approx([0.30, 0.45], abs=0.001)
     assert value["sin_phi_std"] == pytest.approx([0.01, 0.01], rel=0.01)
@@ -121,13 +121,13 @@ def test_densities_and_networks_add_up(result):
 
 
 def test_standard_error_is_that_of_repeated_sampling():
-    """a_c of S snapshots of C contacts has the error √(2/(S C)), estimated to 1/√(2 S) = 16 %."""
+    """a_c of S networks of C contacts has the error √(2/(S C)), estimated to 1/√(2 S) = 16 %."""
     ensemble = Ensemble([packing(0.5, seed=k) for k in range(20)])
     grids = observables.Grids.of([ensemble], 0.4)
     error = observables.measures(ensemble, grids)["O15"]["a_c_error"][-1]
     assert error == pytest.approx(np.sqrt(2 / (20 * 2000)), rel=0.5)
     single = observables.measures(Ensemble([packing(0.5)]), grids)["O15"]
-    assert np.isnan(single["a_c_error"]).all()  # of one snapshot it is unknown
+    assert np.isnan(single["a_c_error"]).all()  # of one network it is unknown
     error = statistics.standard_error([[1.0, np.nan], [3.0, np.nan], [np.nan, 5.0]])
     assert error[0] == pytest.approx(1) and np.isnan(error[1])  # without unknown values
 
@@ -177,7 +177,7 @@ def test_drift_of_the_fabric():
 
 
 def test_errors_are_over_seeds_where_there_are_three(tmp_path):
-    """Seeds with a_c = 0.1, 0.2 and 0.3: three have the error 0.1/√3, two that of snapshots."""
+    """Seeds with a_c = 0.1, 0.2 and 0.3: three have the error 0.1/√3, two that of networks."""
     runs = [Run(tmp_path / str(k),
                 [packing(0.5, seed=10 * k + j, a_c=0.1 * k, a_fn=0, a_ft=0, contacts=8000)
                  for j in range(4)], 0.2) for k in (1, 2, 3)]
@@ -235,7 +235,7 @@ def test_bad_runs_are_refused(tmp_path):
     refused("0.6.h5 has eta = 0.4 and a grain with half_length/R = 0.5; expected at most eta",
             Run.read, tmp_path / "b")
     columns = {name: column[:0] for name, column in wrong.contacts.items()}
-    refused("no snapshots", Ensemble, [])
+    refused("no networks", Ensemble, [])
     refused("no contact between grains", Ensemble,
             [Network(wrong.particles, columns, wrong.attributes)])
 

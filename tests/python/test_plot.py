@@ -299,7 +299,7 @@ def stop(*_, **__):
 
 
 def test_a_failed_film_leaves_nothing(tmp_path, monkeypatch):
-    refused("no snapshots", rcr.movie, tmp_path)
+    refused("no pictures and no networks", rcr.movie, tmp_path)
     packing(0.5).save(tmp_path / "network.h5")
     monkeypatch.setattr(matplotlib.animation.FFMpegWriter, "isAvailable", lambda: False)
     refused("ffmpeg, which is not installed", rcr.movie, tmp_path, tmp_path / "a.mp4")

@@ -136,16 +136,16 @@ def mark_yielded(folder, strains, out):
     return out
 
 
-def test_records_and_snapshots_with_yielded_steps_are_left_out(folders, tmp_path):
-    """The critical state has 51 records and snapshots at strains of 0.2, 0.3 and 0.4."""
+def test_records_and_networks_with_yielded_steps_are_left_out(folders, tmp_path):
+    """The critical state has 51 records and networks at strains of 0.2, 0.3 and 0.4."""
     folder = mark_yielded(folders[1], (0.1, 0.4), tmp_path / "marked")
     run, whole = Run.read(folder), Run.read(folder, include_yielded=True)
     assert [network.attributes["strain"] for network in run.networks] == [0.2, 0.3]
     assert len(whole.networks) == 3 and len(whole.history["strain"]) == 101
     assert len(run.history["strain"]) == 99 and len(run.critical_stresses()) == 50
-    count = "η = 0.5: 2, in 1 of 51 records, with 1 snapshot(s)"
-    assert f"{count}. Their records and snapshots are left out" in report.yielded_steps([run])
-    assert f"{count}. Their records and snapshots count" in report.yielded_steps([whole])
+    count = "η = 0.5: 2, in 1 of 51 records, with 1 network(s)"
+    assert f"{count}. Their records and networks are left out" in report.yielded_steps([run])
+    assert f"{count}. Their records and networks count" in report.yielded_steps([whole])
     assert report.yielded_steps([Run.read(folders[1])]).startswith("No history counts")
     every = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "every")
     refused("include them with --include-yielded", Run.read, every)

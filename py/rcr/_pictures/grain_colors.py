@@ -37,8 +37,9 @@ SCALES = dict(
     load=Scale("sum of normal forces [N/m]", lambda f: f.per_grain(f.normal_force()), "magma_r"),
     pressure=Scale("pressure in the grain [Pa]",
                    lambda f: 0.5 * np.einsum("naa->n", f.stress_tensors()), "magma_r"),
-    contacts=Scale("contacts with a force", lambda f: f.per_grain(f.normal_force() > 0), "YlGnBu"))
-CATEGORIES = dict(type="Rcr, disc, member of a clump, prescribed motion",
+    contacts=Scale("number of contacts with a force",
+                   lambda f: f.per_grain(f.normal_force() > 0), "YlGnBu"))
+CATEGORIES = dict(type="Rcr, disc, member of a clump",
                   shape="the colours of YADE's view, `particle(…, color=…)`")
 
 

@@ -46,7 +46,7 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
         figure, draw, shots = _pictures(found[".png"], dpi)
     else:
         expected = "*.h5 (Network.save) or *.png (rcr.snapshot)"
-        raise ValueError(f"{folder} holds no snapshots; expected {expected}")
+        raise ValueError(f"{folder} holds no pictures and no networks; expected {expected}")
     writer = kind(fps=fps)
     with atomic_path(path) as partial:
         writer.setup(figure, partial, dpi)

@@ -1,11 +1,11 @@
 """The observables O1 to O18 of the paper, from runs of the biaxial test. Needs NumPy, not YADE.
 
-* Contacts of all snapshots and seeds of an elongation are cumulated, with the forces of each
-  snapshot over its ⟨f_n⟩.
+* Contacts of all networks and seeds of an elongation are cumulated, with the forces of each
+  network over its ⟨f_n⟩.
 * ``NAME_error`` is the standard error: the standard deviation over √(number) over the seeds if
-  there are three or more, else over the snapshots. It is NaN for one snapshot. Snapshots of one
+  there are three or more, else over the networks. It is NaN for one network. Networks of one
   test have the same packing, so errors over few seeds are too small rather than too large.
-* ``a_c_drift`` is the change of a_c over the strains of the snapshots: the critical state of sin φ
+* ``a_c_drift`` is the change of a_c over the strains of the networks: the critical state of sin φ
   need not be that of the fabric.
 * sin φ is that of the mean wall stresses over the history. The mean of sin φ would be too small in
   large packings, whose stresses fluctuate by inertia. ``sin_phi_std`` is the scatter of records.
@@ -37,7 +37,7 @@ ISOTROPIC = (
 
 
 def samples(runs):
-    """Return the ensembles of the errors: one per seed if there are `SEEDS`, else per snapshot."""
+    """Return the ensembles of the errors: one per seed if there are `SEEDS`, else per network."""
     if len(runs) >= SEEDS:
         return [Ensemble(run.networks) for run in runs]
     return [Ensemble([network]) for run in runs for network in run.networks]
@@ -63,14 +63,14 @@ def strength(runs, ensemble, grids):
         sin_phi=np.mean(seeds), sin_phi_std=sin_phi(np.concatenate(late)).std(),
         sin_phi_error=standard_error(seeds if len(seeds) >= SEEDS else blocks),
         sin_phi_strain=mean_of_finite(curves) if curves else np.full_like(grids.strain, np.nan),
-        snapshots=sum(len(run.networks) for run in runs), contacts=len(ensemble),
+        networks=sum(len(run.networks) for run in runs), contacts=len(ensemble),
         particles=np.mean([len(run.networks[0].particles["id"]) for run in runs]), seeds=len(runs))
 
 
 def drift(runs):
-    """Return the change of a_c over the strains of the snapshots.
+    """Return the change of a_c over the strains of the networks.
 
-    A straight line is fitted, with one slope for all seeds; NaN for fewer than three snapshots.
+    A straight line is fitted, with one slope for all seeds; NaN for fewer than three networks.
     """
     strains = [np.array([n.attributes["strain"] for n in run.networks]) for run in runs]
     values = [np.array([n.anisotropies()[0] for n in run.networks]) for run in runs]

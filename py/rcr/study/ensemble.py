@@ -1,4 +1,4 @@
-"""Contacts of several snapshots of one elongation, cumulated as the paper does. Needs NumPy."""
+"""Contacts of several networks of one elongation, cumulated as the paper does. Needs NumPy."""
 
 import functools
 
@@ -9,17 +9,17 @@ from rcr.xi_networks import XiNetworks
 
 
 class Ensemble:
-    """Contacts between grains of snapshots of the same elongation and friction.
+    """Contacts between grains of networks of the same elongation and friction.
 
-    A ValueError says that there is no snapshot, or that they differ, or have no friction.
+    A ValueError says that there is no network, or that they differ, or have no friction.
 
     Attributes
     ----------
     eta, friction : floats [-]
     fn, ft : (C,) float arrays
-        Components of the force over ⟨f_n⟩ of its snapshot [-], t = n turned by +90°.
+        Components of the force over ⟨f_n⟩ of its network [-], t = n turned by +90°.
     ln, lt : (C,) float arrays
-        Components of the branch vector over R_max of its snapshot [-].
+        Components of the branch vector over R_max of its network [-].
     reduced_length : (C,) float array
         ℓ_r = ℓ/(R₁ + R₂) [-].
     mobilization : (C,) float array
@@ -27,18 +27,18 @@ class Ensemble:
     angle : (C,) float array
         Direction of the normal from x, in [0, π) [rad].
     theta : (C,) float array
-        Direction of the normal from the axis of σ₁ of its snapshot, θ − θσ [rad].
+        Direction of the normal from the axis of σ₁ of its network, θ − θσ [rad].
     type : (C,) int array
         0 cap-cap, 1 cap-side, 2 side-side.
     across : (C,) float array
-        Position of the contact between the left (0) and the right side (1) of its snapshot [-].
+        Position of the contact between the left (0) and the right side (1) of its network [-].
     stress_angle : float
         Mean θσ, in [0, π) [rad].
     """
 
     def __init__(self, networks):
         if not networks:
-            raise ValueError("no snapshots: an ensemble needs at least one network")
+            raise ValueError("no networks: an ensemble needs at least one network")
         strange = [network for network in networks if not isinstance(network, Network)]
         if strange:
             raise ValueError(
@@ -54,8 +54,8 @@ class Ensemble:
     def __len__(self):
         return len(self.fn)
 
-    def snapshots(self):
-        """Return one ensemble per snapshot."""
+    def by_network(self):
+        """Return one ensemble per network."""
         return [Ensemble([network]) for network in self._networks]
 
     @functools.cached_property
@@ -74,7 +74,7 @@ def common_value(networks, name):
 
 
 def _contacts(network):
-    """Return the columns of `Ensemble` for one snapshot."""
+    """Return the columns of `Ensemble` for one network."""
     n, _, branch, force = network.local_components()
     pick = network.between_particles
     radius = np.zeros(network.particles["id"].max() + 1)

@@ -90,7 +90,7 @@ def mean_mobilization(e, grids):
 
 
 def strip_forces(e, grids):
-    """Return mean normal force and σ_xx in vertical strips over the means of the snapshot.
+    """Return mean normal force and σ_xx in vertical strips over the means of the network.
 
     σ_xx is 1 in a sample without inertia; contacts with the walls are left out.
     """
@@ -220,12 +220,12 @@ MEASURES = dict(  # observable: (function, {name in analysis.json: grid of its a
 
 def with_errors(parts):
     """Return {name: value of the first part, name_error: standard error of the other parts}."""
-    whole, *snapshots = parts
+    whole, *others = parts
     values = {}
     for name, value in whole.items():
         values[name] = value
         if not name.endswith("_fit_error"):
-            samples = [snapshot[name] for snapshot in snapshots]
+            samples = [other[name] for other in others]
             if name in AXES:
                 samples = [0.5 * np.angle(np.exp(2j * (sample - value))) for sample in samples]
             values[f"{name}_error"] = statistics.standard_error(samples)
@@ -233,8 +233,8 @@ def with_errors(parts):
 
 
 def measures(ensemble, grids, parts=None):
-    """Return {observable: {name: value, or error over `parts`, by default the snapshots}}."""
-    parts = ensemble.snapshots() if parts is None else parts
+    """Return {observable: {name: value, or error over `parts`, by default the networks}}."""
+    parts = ensemble.by_network() if parts is None else parts
     found = [{key: measure(e, grids) for key, (measure, _) in MEASURES.items()}
              for e in (ensemble, *parts)]
     return {key: with_errors([values[key] for values in found]) for key in MEASURES}

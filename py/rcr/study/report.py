@@ -114,22 +114,22 @@ def _material(runs, analysis):
     """Describe the runs: size, drift, boxes, and errors of the solver."""
     value = analysis["O1"]["value"]
     strains = [float(network.attributes["strain"]) for run in runs for network in run.networks]
-    columns = ("eta", "particles", "seeds", "snapshots", "contacts")
-    form = "η = {:g}: {:.0f} particles, {} seed(s), {} snapshots, {} contacts"
+    columns = ("eta", "particles", "seeds", "networks", "contacts")
+    form = "η = {:g}: {:.0f} particles, {} seed(s), {} networks, {} contacts"
     listed = "; ".join(form.format(*row) for row in zip(*(value[name] for name in columns)))
     window = f"{min(strains):.3f} to {max(strains):.3f}"
-    state = f"Critical state: snapshots at strains from {window}. {listed}."
+    state = f"Critical state: networks at strains from {window}. {listed}."
     return " ".join([state, _drifts(analysis), _boxes(runs), unconverged_steps(runs),
                      yielded_steps(runs), cost(runs)])
 
 
 def _drifts(analysis):
-    """Describe the change of a_c over the snapshots."""
+    """Describe the change of a_c over the networks."""
     value = analysis["O15"]["value"]
     columns = zip(value["eta"], value["a_c_drift"], value["a_c_drift_error"])
     rows = [row for row in columns if np.isfinite(row[1])]
     if not rows:
-        return "The change of a_c over the strain is unknown: there are too few snapshots."
+        return "The change of a_c over the strain is unknown: there are too few networks."
     listed = "; ".join(f"η = {eta:g}: {change:+.2f} ± {error:.2f}" for eta, change, error in rows)
     return f"Change of a_c over these strains: {listed}."
 
@@ -187,15 +187,15 @@ def yielded_steps(runs):
         return "No history counts the steps without a solution."
     parts = []
     for eta, group in group_by_eta(known).items():
-        steps, marked, records, snapshots, _ = map(sum, zip(*(run.yielded for run in group)))
+        steps, marked, records, networks, _ = map(sum, zip(*(run.yielded for run in group)))
         text = f"η = {eta:g}: {steps}"
         if steps:
-            text += f", in {marked} of {records} records, with {snapshots} snapshot(s)"
+            text += f", in {marked} of {records} records, with {networks} network(s)"
         parts.append(text)
     included = any(run.yielded.included for run in known)
     use = "count in the means" if included else "are left out of the means"
     marked = any(run.yielded.steps for run in known)
-    end = f" Their records and snapshots {use}." if marked else ""
+    end = f" Their records and networks {use}." if marked else ""
     return f"Steps without a solution: {'; '.join(parts)}.{end}"
 
 

@@ -28,7 +28,7 @@ class Yielded(typing.NamedTuple):
     steps: int
     marked: int  # records with a step without a solution
     records: int  # all records
-    snapshots: int  # those that end a marked record
+    networks: int  # those that end a marked record
     included: bool  # whether they enter the means
 
 
@@ -37,7 +37,7 @@ class Run:
     """One biaxial test."""
 
     folder: pathlib.Path
-    networks: list  # snapshots of the critical state, by strain
+    networks: list  # of the critical state, by strain
     from_strain: float  # start of the critical state [-]
     to_strain: float = np.inf  # its end [-]
     isotropic: Network = None  # end of the compaction
@@ -56,7 +56,7 @@ class Run:
         """Read the run in a folder.
 
         The critical state is by default the second half up to the largest strain saved. It has half
-        a record more at both ends. `include_yielded` keeps records and snapshots whose interval has
+        a record more at both ends. `include_yielded` keeps records and networks whose interval has
         a step without a solution. A ValueError reports a damaged file, networks of several runs, or
         no network in the critical state.
         """
@@ -76,7 +76,7 @@ class Run:
         return run
 
     def _select(self, include_yielded):
-        """Keep the snapshots of the critical state, and only records that enter means."""
+        """Keep the networks of the critical state, and only records that enter means."""
         critical = [network for network in self.networks if self.is_critical(_strain(network))]
         window = f"from {self.from_strain:g} to {self.to_strain:g}"
         if not critical:
@@ -104,7 +104,7 @@ class Run:
                 "with more --iterations or a smaller --time-step")
 
     def _check_history(self):
-        """Raise ValueError if the history ends before the snapshots of the critical state."""
+        """Raise ValueError if the history ends before the networks of the critical state."""
         if self.history is None:
             return
         end, last = self.history["strain"][-1], _strain(self.networks[-1])
@@ -130,7 +130,7 @@ class Run:
 
 
 def _networks(folder):
-    """Return the snapshots and the isotropic state of a folder, each as {path: Network}."""
+    """Return networks of the shear and isotropic state of a folder, each as {path: Network}."""
     expected = "expected a folder written by scripts/biaxial.py"
     if not folder.is_dir():
         raise ValueError(f"{folder} is not a folder; {expected}")
@@ -145,13 +145,13 @@ def _strain(network):
     return float(network.attributes["strain"])
 
 
-def _check_one_run(snapshots, isotropic, record):
+def _check_one_run(sheared, isotropic, record):
     """Raise ValueError unless all networks, by path, belong to one run."""
-    networks = snapshots | isotropic
+    networks = sheared | isotropic
     for path, network in networks.items():
         _check_network(path, network, record)
-    first_path, first = next(iter(snapshots.items()))
-    for name, equal in dict(eta=networks, friction=snapshots).items():
+    first_path, first = next(iter(sheared.items()))
+    for name, equal in dict(eta=networks, friction=sheared).items():
         try:
             common_value(equal.values(), name)
         except ValueError as error:
@@ -161,7 +161,7 @@ def _check_one_run(snapshots, isotropic, record):
         if not all(np.array_equal(*pair) for pair in pairs):
             raise ValueError(f"{path} and {first_path.name} hold different grains: {_TWO_RUNS}")
     paths = {}  # by strain
-    for path, network in snapshots.items():
+    for path, network in sheared.items():
         other = paths.setdefault(_strain(network), path)
         if other != path:
             raise ValueError(f"{path} and {other.name} have the same strain: {_TWO_RUNS}")

@@ -20,7 +20,7 @@ class Finding:
     statement: str  # of the paper
     criterion: str  # condition under which the statement agrees
     value: str  # measured
-    error: str  # standard error over seeds or snapshots; see `rcr.study.analysis`
+    error: str  # standard error over seeds or networks; see `rcr.study.analysis`
     verdict: str  # `AGREES`, `DIFFERS` or `NOT_TESTED`
 
 

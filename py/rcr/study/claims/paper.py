@@ -6,7 +6,7 @@ Values and trends come from the text, since the data of the figures are not avai
 ETAS = (0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
 POLAR_ETA = 0.5  # of the polar diagrams
 
-MAPS = dict(  # observables shown as maps of one snapshot, and their elongations
+MAPS = dict(  # observables shown as maps of one network, and their elongations
     O2=(0, 0.4, 0.7),
     O6=(0.2, 0.7),  # 0.1 in the paper's text, 0.2 in its caption
     O9=(0.7,),

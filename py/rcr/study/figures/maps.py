@@ -1,4 +1,4 @@
-"""Maps of one snapshot: grains, forces, friction mobilisation, orientations, contact types.
+"""Maps of one network: grains, forces, friction mobilisation, orientations, contact types.
 
 Each map is a few collections: 13 000 grains take seconds and are vectors in a PDF. Each
 ``plot_…(network, ax=None)`` returns the Axes; `draw` makes the figure of an observable. Needs NumPy
