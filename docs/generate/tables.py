@@ -54,8 +54,7 @@ def ratios(chart, name, shown=lambda row: True):
 
 def quasi_static_row(row):
     """The main observables of the packings that have all settings; the CSV has the others."""
-    main = {"sin φ", "I_M", "β_n", "a_c(ξ = 1)", "a_c", "a_fn(ξ = 1)",
-            "steps that missed the tolerance"}
+    main = {"sin φ", "I_M", "a_c(ξ = 1)", "steps that missed the tolerance"}
     return row[0] in main and row[1].endswith("N = 1000")
 
 
@@ -188,8 +187,6 @@ TABLES = {
     "counterparts": counterparts,
     "one-step": lambda: ratios("a", "a-one-step"),
     "deterministic": lambda: ratios("b", "b-deterministic"),
-    "biaxial-cost": lambda: ratios("c", "c-biaxial-cost",
-                                   lambda row: not row[0].endswith("tolerance 1e-04")),
     "hard-scenes": hard_scenes,
     "stability": stability,
     "study": lambda: (DOCS / "results" / "study" / "table.md").read_text(),
