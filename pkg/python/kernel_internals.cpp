@@ -17,10 +17,14 @@ namespace {
 
 	py::tuple yieldBoundsFrom(const Array& before, const py::kwargs& arrays)
 	{
-		const ContactProblem problem = problemFrom(arrays);
-		const auto twists = rowsFrom<Twist>(before, "before", problem.freeVelocity.size());
+		Step step;
+		step.problem = problemFrom(arrays);
+		step.bodies.resize(step.problem.freeVelocity.size());
+		const auto twists = rowsFrom<Twist>(before, "before", step.bodies.size());
+		for (std::size_t id = 0; id < twists.size(); ++id)
+			step.bodies[id].velocity = twists[id];
 		ThreadTeam alone;
-		const auto [driveSpeed, yielding] = yieldBoundsOf(problem, twists, alone);
+		const auto [driveSpeed, yielding] = yieldBoundsOf(step, alone);
 		return py::make_tuple(driveSpeed, yielding.compliance, yielding.yieldImpulse);
 	}
 

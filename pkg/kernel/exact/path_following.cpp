@@ -168,7 +168,7 @@ namespace {
 			++end_.pivots;
 			if (updates_.size() == maxUpdates) return findDirection();
 			const Impulse du     = rate_[change.contact];
-			const double  amount = (change.row.n * du.n + change.row.t * du.t) / delta;
+			const double  amount = dot(change.row, du) / delta;
 			for (std::size_t i = 0; i < problem_.size(); ++i)
 				rate_[i] = rate_[i] - amount * relativeVelocity(problem_.contacts[i], response_);
 			updates_.push_back({ change, delta, response_ });
@@ -194,8 +194,7 @@ namespace {
 			problem_.matrix.solve(b);
 			for (const Update& update : updates_) {
 				const Impulse u = relativeVelocity(problem_.contacts[update.change.contact], b);
-				const double  amount = (update.change.row.n * u.n + update.change.row.t * u.t)
-				        / update.delta;
+				const double  amount = dot(update.change.row, u) / update.delta;
 				for (std::size_t i = 0; i < b.size(); ++i)
 					for (int j = 0; j < 4; ++j)
 						b[i].entry[j] -= amount * update.response[i].entry[j];

@@ -43,7 +43,7 @@ inline Measures measuresOf(Impulse p, Impulse u, double bias, double friction, d
 	const double error2   = square(lawError(p, { un, u.t }, friction, wnn));
 	const double stopping = (std::abs(u.n) + std::abs(bias)) / wnn;
 	return { error2, square(p), p.n, wnn * wnn * error2, square(u), stopping * stopping,
-		     -(p.n * un + p.t * u.t) };
+		     -dot(p, { un, u.t }) };
 }
 
 /// Kinematic error from sums of squares over the points: error, |u| and |u_free|.
