@@ -28,13 +28,15 @@ TABLE = {
         ("second-point-of-the-back", ".side || dot(facing[k].normal, first.normal) <= 0", ".side"),
         ("nearest-second-point", "distance <= farthest)",
          "(result.count == 2 && distance >= farthest))"),
-        ("points-not-sorted", "[0].position, axis) < 0)", "[0].position, axis) < -1e300)"),
         ("distance-without-gap", "+ s2.capRadius + maxGap;", "+ s2.capRadius;"),
         ("crossing-on-one-line", "< 0 && across2 < 0 && along1 < 0", "< 0 && across2 < 0"),
         ("deepest-end", "if (-std::abs(h) <= least.", "if (k > 0 && -std::abs(h) >= least."),
         ("wall-of-one-cap", "if (s.halfLength == 0) break;\n\t}\n\treturn result;",
          "break;\n\t}\n\treturn result;"),
         ("corner-of-the-box", "std::abs(along) > sideReach * c", "std::abs(along) < sideReach * c"),
+    ],
+    "geometry/shadow_overlap.hpp": [
+        ("points-not-sorted", "[0].position, axis) < 0)", "[0].position, axis) < -1e300)"),
     ],
     "problem/coulomb.hpp": [
         ("without-de-saxce", "(u.n + friction * std::abs(u.t)) / wnn", "u.n / wnn"),

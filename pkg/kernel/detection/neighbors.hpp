@@ -53,11 +53,11 @@ private:
 	Box  box(std::size_t id, double more) const;
 	int  column(double x) const;
 	int  row(double y) const;
-	void chooseMargin(const Step&);
-	void sortIntoCells(const Step&);
+	void chooseMargin();
+	void sortIntoCells();
 	bool near(std::int32_t body1, std::int32_t body2) const;
 	template <class Visit> void forEachGrain(const Box&, Visit) const;
-	void searchNarrow(const Step&, ThreadTeam&);
+	void searchNarrow(ThreadTeam&);
 	void searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam&);
 
 	double                 margin_ = 0; // [m]
