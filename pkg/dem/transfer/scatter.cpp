@@ -199,7 +199,7 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 		if (!step.displacement.empty() && body.free)
 			applyCorrection(*handles.state[id], step.displacement[id]);
 	});
-	if (step.cell.stretches()) deformCell(*scene.cell, step.cell, step.strain);
+	if (step.problem.stretches()) deformCell(*scene.cell, step.cell, step.strain);
 	requestCollider(scene, team, handles, step);
 }
 

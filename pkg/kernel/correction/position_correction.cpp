@@ -22,8 +22,6 @@ void setRecoveryBias(Step& step, double beta, ThreadTeam& team)
 
 void correctPositions(Step& step, double beta, Workspace& workspace)
 {
-	step.displacement.clear();
-	step.strain = {};
 	if (beta == 0 || step.overdamped) return;
 	if (std::none_of(step.gap.begin(), step.gap.end(),
 	            [](const Gap& gap) { return gap.now < gap.allowed; }))

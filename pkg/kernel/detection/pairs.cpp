@@ -29,7 +29,6 @@ void Pairs::assign(const Neighbors::List& list, bool keepContacts)
 
 void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 {
-	manifold.resize(all.size());
 	team.forEach(all.size(), [&](std::size_t k) {
 		Pair&           pair = all[k];
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];

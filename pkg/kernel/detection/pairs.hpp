@@ -28,7 +28,7 @@ struct Pairs {
 
 	/// Detects the contact points of every pair at the poses of the step and carries their forces
 	/// forward. `keepContacts`: contacts beyond the present reach remain.
-	void detect(const Step&, ThreadTeam&, bool keepContacts = false);
+	void detect(const Step&, ThreadTeam&, bool keepContacts);
 
 	void addDetected(const Step&, long iteration); // adds the contacts of Step::added
 	void numberContacts(Step&) const;              // sets StepContact::listIndex

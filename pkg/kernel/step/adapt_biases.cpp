@@ -1,6 +1,7 @@
 #include "step/adapt_biases.hpp"
 
 #include "correction/large_displacements.hpp"
+#include "parallel/thread_team.hpp"
 #include "step/restitution.hpp"
 
 namespace rcr {

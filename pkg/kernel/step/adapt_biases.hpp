@@ -5,7 +5,6 @@
 // solution. The biases of the first solve are then restored, unless a body is driven.
 #pragma once
 
-#include "parallel/thread_team.hpp"
 #include "step/step.hpp"
 
 namespace rcr {

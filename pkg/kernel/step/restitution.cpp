@@ -20,8 +20,8 @@ namespace {
 	{
 		const ContactPoint& c = step.problem.points[k];
 		const Impulse       p = step.problem.impulse[k];
-		const Impulse       u = step.initialVelocity(c), left = relativeVelocity(step.problem, c);
-		of.gain += p.n * (u.n + left.n) + p.t * (u.t + left.t);
+		const Impulse       u = step.initialVelocity(c), after = relativeVelocity(step.problem, c);
+		of.gain += dot(p, u + after);
 		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);
 		// b_n = e u_n⁻
 		if (c.bias < 0 && u.n < 0) of.plasticLoss -= p.n * u.n * u.n / (u.n + c.bias);
@@ -91,9 +91,9 @@ bool limitRestitution(Step& step, bool plastic)
 		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = step.problem.points[k];
 			if (!(c.bias < 0)) continue;
-			const double leaves = relativeVelocity(step.problem, c).n;
-			if (leaves >= -fullRestitution * c.bias) continue;
-			c.bias  = leaves > 0 && !plastic ? -leaves : std::max(step.gap[k].now, 0.0) / step.dt;
+			const double after = relativeVelocity(step.problem, c).n;
+			if (after >= -fullRestitution * c.bias) continue;
+			c.bias  = after > 0 && !plastic ? -after : std::max(step.gap[k].now, 0.0) / step.dt;
 			lowered = true;
 		}
 	}

@@ -118,17 +118,16 @@ inline Vec2 product(const double (&m)[2][2], Vec2 v)
 }
 
 /// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s].
-/// All numbers are zero in an open scene. Stress and contacts stretch the cell along an axis with
-/// an inverse mass. Before the solve, the gradient has no contribution of contacts.
+/// All numbers are zero in an open scene. Before the solve, the gradient has no contribution of
+/// contacts.
 struct PeriodicCell {
 	bool   periodic = false;
 	double h[2][2] {}, inverse[2][2] {}, gradient[2][2] {};
-	Vec2   inverseMass;    // of stretching [1/(kg m²)]
 	double imageSpeed = 0; // largestDrift when contacts were detected [m/s]
 
-	bool stretches() const { return inverseMass.x > 0 || inverseMass.y > 0; }
-	/// Returns true if a prescribed component of its motion is not zero.
-	bool driven() const
+	/// Returns true if a prescribed component of its motion is not zero. `inverseMass`: of
+	/// stretching along each axis; 0: prescribed.
+	bool driven(Vec2 inverseMass) const
 	{
 		return gradient[0][1] != 0 || gradient[1][0] != 0
 		        || (gradient[0][0] != 0 && inverseMass.x == 0)

@@ -30,7 +30,7 @@ public:
 
 	/// Counts a step. Returns true if a warning is due. `overlap`: its deepest overlap over R₁ +
 	/// R₂. `removesOverlaps`: the step is overdamped and removes the overlaps of its beginning.
-	bool count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps = false);
+	bool count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps);
 
 	/// The warning: finding, effect on results, remedy.
 	std::string message() const;
