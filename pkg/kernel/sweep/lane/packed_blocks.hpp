@@ -83,8 +83,6 @@ using Column = ColumnOf<double>;
 /// One contact point of each pair of a block, as consecutive columns. These are for all models.
 template <class Real> class PointColumnsOf {
 public:
-	static constexpr int count = 7;
-
 	explicit PointColumnsOf(ColumnOf<Real>* first) : first_(first) { }
 
 	Real* oldPn() const { return column(0); }

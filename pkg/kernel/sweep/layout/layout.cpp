@@ -125,7 +125,7 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 		const Model      required = joins ? common(c.required, next.required) : c.required;
 		const PackedPair pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, required,
 			required, c.crossesMovingCell || (joins && next.crossesMovingCell),
-			PackedPair::noSlot, 0 };
+			none, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
 		PackedPair& old = pairs_[count];
 		// firstPoint follows from the earlier pairs
@@ -151,7 +151,7 @@ bool Layout::packable(const PackedPair& pair) const
 void Layout::sortPairs()
 {
 	for (PackedPair& pair : pairs_)
-		pair.slot = PackedPair::noSlot;
+		pair.slot = none;
 	listPairs(islands_, byIsland_, [&](auto add) {
 		for (std::size_t k = 0; k < pairs_.size(); ++k)
 			if (const int island = islandOf(pairs_[k]); island != none) add(island, int(k));
@@ -223,7 +223,7 @@ void Layout::numberRecords()
 {
 	// a place for each partition of an island, then one for its bodies with overflow pairs only
 	const auto place = [&](int body) {
-		return (partitions_.of(body) != Partitions::none ? partitions_.of(body)
+		return (partitions_.of(body) != none ? partitions_.of(body)
 		                                                 : islands_[island_[body]].partitions.end)
 		        + island_[body];
 	};
@@ -261,7 +261,7 @@ void Layout::listOverflow(Island& island)
 {
 	island.overflow.begin = int(overflow_.size());
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
-		if (pairs_[byIsland_[k]].slot == PackedPair::noSlot) overflow_.push_back(byIsland_[k]);
+		if (pairs_[byIsland_[k]].slot == none) overflow_.push_back(byIsland_[k]);
 	island.overflow.end = int(overflow_.size());
 }
 

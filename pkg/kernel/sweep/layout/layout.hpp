@@ -29,13 +29,11 @@ enum class BodyKind : unsigned char { regular, prescribed, special };
 
 /// One or two consecutive points between the same two bodies.
 struct PackedPair {
-	static constexpr std::int32_t noSlot = -1; // overflow, or a pair of two prescribed bodies
-
 	std::int32_t body1, body2, firstPoint, points;
 	Model        required; // the cheapest model that holds
 	Model        model;    // the model in use
 	bool         crossesMovingCell; // its image moves or may move (CellStress): overflow
-	std::int32_t slot;     // blockWidth · block + lane, or noSlot
+	std::int32_t slot;     // blockWidth · block + lane; none: overflow, or two prescribed bodies
 	std::int32_t column;   // first column of its first point; those of the second follow
 };
 
@@ -135,8 +133,6 @@ private:
 	void place(Section&);
 	void listOverflow(Island&);
 	int  appendRecords(int count);
-
-	static constexpr std::int32_t none = -1;
 
 	Reductions                    reductions_;
 	bool                          stretches_ = false; // the cell may stretch

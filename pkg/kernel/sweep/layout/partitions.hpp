@@ -9,12 +9,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "sweep/layout/coloring.hpp"
+
 namespace rcr {
 
 class Partitions {
 public:
-	static constexpr std::int32_t none = -1;
-	using Edge                         = std::array<std::int32_t, 2>; // two bodies
+	using Edge = std::array<std::int32_t, 2>; // two bodies
 
 	void reset(std::size_t bodies);
 
