@@ -205,7 +205,9 @@ namespace {
 void bindInternals(py::module_& m)
 {
 	bindDetectors(m);
-	m.def("residual", [](const py::kwargs& arrays) { return residual(problemFrom(arrays)); },
+	m.def(
+	        "residual",
+	        [](const py::kwargs& arrays) { return errorsOf(problemFrom(arrays), 0).residual; },
 	        "Residual [-] of a problem; arrays as in `solve`.");
 	m.def("yield_bounds", yieldBoundsFrom, "before"_a,
 	        "(drive speed, compliance, yield impulse) of a problem, for previous velocities of the\n"
@@ -213,7 +215,7 @@ void bindInternals(py::module_& m)
 	m.def(
 	        "kinematic_error",
 	        [](double velocityFloor, const py::kwargs& arrays) {
-		        return kinematicError(problemFrom(arrays), velocityFloor);
+		        return errorsOf(problemFrom(arrays), velocityFloor).kinematicError;
 	        },
 	        "velocity_floor"_a,
 	        "Kinematic error [-] of a problem (residual.hpp); arrays as in `solve`.");

@@ -21,8 +21,6 @@ namespace rcr {
 
 namespace {
 
-	constexpr double relaxation = 1.3; // [-], as for problems with bodies
-
 	class Sweeps {
 	public:
 		explicit Sweeps(DelassusProblem& problem)

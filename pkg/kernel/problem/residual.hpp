@@ -14,19 +14,24 @@ namespace rcr {
 /// tolerance.
 constexpr double maxFriction = 1e3;
 
-/// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
-///
-///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
-///
-/// It is 0 if and only if the laws hold exactly. The velocities u are recomputed from `impulse`.
-/// Points between two prescribed bodies (w_nn = 0) do not count.
-/// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
-double residual(const ContactProblem&);
+struct Errors {
+	/// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
+	///
+	///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
+	///
+	/// It is 0 if and only if the laws hold exactly.
+	/// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
+	double residual;
 
-/// Error as a velocity: RMS of w_nn |p − P_K(…)| over the points, divided by a scale [-].
-/// The scale is the RMS of |u|, at least velocityFloor times the RMS of |u_free|.
-/// It measures closing velocities, and slip where the law requires sticking.
-double kinematicError(const ContactProblem&, double velocityFloor);
+	/// Error as a velocity: RMS of w_nn |p − P_K(…)| over the points, divided by a scale [-].
+	/// The scale is the RMS of |u|, at least velocityFloor times the RMS of |u_free|.
+	/// It measures closing velocities, and slip where the law requires sticking.
+	double kinematicError;
+};
+
+/// Errors of the impulses. The velocities u are recomputed from them. Points between two prescribed
+/// bodies (w_nn = 0) do not count.
+Errors errorsOf(const ContactProblem&, double velocityFloor);
 
 /// √(error2 / scale2); NaN if the scale overflows, because the error may be as large.
 inline double relative(double error2, double scale2)

@@ -55,6 +55,20 @@ static bool closesBlockedContact(const ContactProblem& problem, double roundingV
 	        });
 }
 
+/// Runs probeSweeps sweeps on a copy of the problem that the workspace holds. Returns true if the
+/// impulses diverge.
+static bool probeDivergence(
+        const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+{
+	Settings sweeps      = settings;
+	sweeps.sameProblem   = true;
+	sweeps.tolerance     = 0;
+	sweeps.minIterations = sweeps.maxIterations = probeSweeps;
+	ContactProblem probe                        = problem;
+	solveNesterov(probe, sweeps, workspace);
+	return isDivergent(probe, problem.impulse);
+}
+
 /// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
 /// impulses so large that both relative errors are small.
 static bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings,
@@ -89,7 +103,7 @@ static Report solveAuto(ContactProblem& problem, Settings settings, Workspace& w
 	const auto left      = [&] { return most - report.iterations; };
 	const auto converged = [&] {
 		return report.meetsResidual(settings)
-		        && kinematicError(problem, floor) <= settings.kinematicTolerance;
+		        && errorsOf(problem, floor).kinematicError <= settings.kinematicTolerance;
 	};
 	const auto runExact = [&](int iterations, double velocityFloor, int cost) {
 		Settings steps      = settings;
@@ -117,7 +131,7 @@ static Report solveAuto(ContactProblem& problem, Settings settings, Workspace& w
 	}
 	if (fine > 0) runExact(fine, settings.velocityFloor, forcesKnown ? 1 : cost);
 	if (small && !report.yielded && left() > 0 && !converged()) runExact(left(), floor, cost);
-	if (small) report.kinematicError = kinematicError(problem, floor);
+	if (small) report.kinematicError = errorsOf(problem, floor).kinematicError;
 	report.converged = report.converged || report.meetsTolerances(settings);
 	return report;
 }

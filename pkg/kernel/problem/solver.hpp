@@ -113,6 +113,9 @@ private:
 	std::unique_ptr<PackedProblem> packed_;
 };
 
+/// Over-relaxation of sor [-]. It saves a third of the sweeps in dense packings; 1.6 cycles.
+constexpr double relaxation = 1.3;
+
 Report solveNlgs(ContactProblem&, const Settings&, Workspace&);     // plain Gauss–Seidel [paper]
 Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-relaxed by 1.3
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // momentum and restart
@@ -124,10 +127,6 @@ Report solveExact(ContactProblem&, const Settings&, Workspace&, const Report* sw
 /// Solves with yielding contacts (sweep/solve_yielding.cpp). The workspace must hold this problem.
 /// `rigid` is the report of the rigid solve.
 Report solveYielding(ContactProblem&, const Settings&, const Report& rigid, Workspace&);
-
-/// Runs probeSweeps sweeps on a copy of the problem that the workspace holds. Returns true if the
-/// impulses diverge (infeasibility.hpp).
-bool probeDivergence(const ContactProblem&, const Settings&, Workspace&);
 
 /// Runs a solver by name: nlgs, sor, nesterov, exact or auto. Lets contacts yield if required.
 ///
