@@ -7,7 +7,7 @@ namespace rcr {
 namespace {
 
 	constexpr std::size_t maxUpdates = 20; // between two factorisations; both cost about the same
-	constexpr double      minEnergyShare = 0.1; // least energy of an unstable contact [-]
+	constexpr double      minEnergyShare = 0.1; // of unstable contacts, over the largest energy [-]
 	constexpr double      edgeTolerance = 1e-13; // distance to the cone that counts as zero [-]
 
 	/// The change of a contact's piece: K += column rowᵀ, in (n, t).
@@ -46,7 +46,7 @@ namespace {
 				advance(edge.distance);
 				if (!edge.found) end_.complete = true;
 				else
-					continues = end_.pivots < maxPivots && cross(edge);
+					continues = end_.pivots < maxPivots && pivot(edge);
 			}
 			setPredictors();
 			return end_;
@@ -150,7 +150,7 @@ namespace {
 
 		/// Changes the piece of the contact at an edge and updates the direction. Returns false at
 		/// a fold.
-		bool cross(const Edge& edge)
+		bool pivot(const Edge& edge)
 		{
 			const RankOne        change = changeOf(edge);
 			const ScaledContact& c      = problem_.contacts[change.contact];

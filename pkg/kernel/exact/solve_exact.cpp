@@ -122,7 +122,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	}
 	ProximalProblem                proximal(problem);
 	std::vector<ProximalParameter> rho(proximal.size(), ProximalParameter(parameterLimits));
-	Best best { { report.residual, report.kinematicError }, problem.impulse };
+	Best       best { { report.residual, report.kinematicError }, problem.impulse };
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {
 		remember();
@@ -143,13 +143,13 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
-	const auto [residual, kinematicError] = errorsOf(problem, settings.velocityFloor);
-	report.residual       = residual;
-	report.kinematicError = kinematicError;
+	const Errors errors   = errorsOf(problem, settings.velocityFloor);
+	report.residual       = errors.residual;
+	report.kinematicError = errors.kinematicError;
 	report.dissipated     = dissipatedEnergy(problem);
 	report.impulseGrowth  = std::numeric_limits<double>::infinity(); // unknown after exact steps
-	report.converged
-	        = residual <= settings.tolerance && kinematicError <= settings.kinematicTolerance;
+	report.converged      = errors.residual <= settings.tolerance
+	        && errors.kinematicError <= settings.kinematicTolerance;
 	return report;
 }
 
