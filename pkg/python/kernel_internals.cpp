@@ -229,7 +229,7 @@ void bindInternals(py::module_& m)
 	        "Returns a dict: impulse, complete, pivots, unstable.");
 	py::class_<Coloring>(m, "Coloring", "Greedy colouring of pairs.")
 	        .def(py::init<std::size_t>(), "bodies"_a)
-	        .def("take", &Coloring::take, "body1"_a, "limits1"_a, "body2"_a, "limits2"_a,
+	        .def("take", &Coloring::take, "body1"_a, "moves1"_a, "body2"_a, "moves2"_a,
 	                "Assign a colour; −1: overflow.")
 	        .def_property_readonly_static("colors",
 	                [](const py::object&) { return Coloring::colors; });

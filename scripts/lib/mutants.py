@@ -60,7 +60,7 @@ TABLE = {
     "problem/solver.cpp": [
         ("keeps-positive-cost", "rigid.converged || !hasPositiveCost(problem)", "true"),
         ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
-        ("too-fine-for-sweeps", "finestForSweeps = 1e-6;", "finestForSweeps = 1e-12;"),
+        ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),
     ],
     "problem/contact_problem.cpp": [
         ("one-id-unchecked", ">= bodies || std::size_t(c.body2) >= bodies", ">= bodies"),
@@ -69,10 +69,10 @@ TABLE = {
         ("nan-is-finite", "((values - values) + ...) == 0", "!(((values - values) + ...) > 0)"),
     ],
     "sweep/layout/coloring.hpp": [
-        ("second-body-free", "if (limits2) used_[body2] |= lowest;", ""),
+        ("second-body-free", "if (moves2) used_[body2] |= lowest;", ""),
         ("overflow-takes-a-colour",
-         "if (lowest >> colors) return none;\n\t\tif (limits1) used_[body1] |= lowest;",
-         "if (limits1) used_[body1] |= lowest;\n\t\tif (lowest >> colors) return none;"),
+         "if (lowest >> colors) return none;\n\t\tif (moves1) used_[body1] |= lowest;",
+         "if (moves1) used_[body1] |= lowest;\n\t\tif (lowest >> colors) return none;"),
     ],
     "sweep/layout/layout.cpp": [
         ("model-of-the-first-point", "joins ? common(c.required, next.required) : c.", "c."),
@@ -113,7 +113,7 @@ TABLE = {
         ("floats-out-of-range", "(std::abs(value) > 1e-12 && std::abs(value) < 1e12)", "true"),
     ],
     "sweep/packed_problem.cpp": [
-        ("setBiases-keeps-the-overflow", "c.bias          = bias[c.point];", ""),
+        ("reload-keeps-the-overflow", "c.bias          = bias[c.point];", ""),
         ("spin-not-scaled-back", "v[record::spin] * inverseGyration_[i]", "v[record::spin]"),
     ],
     "sweep/lane/point_models.hpp": [

@@ -102,7 +102,7 @@ struct ContactProblem {
 	std::vector<double>       recoveryBias;
 
 	Vec2 inverseStretchMass;
-	Vec2 stretchRate; // included in the drifts of the points
+	Vec2 stretchRate; // its change by contacts; the drifts of the points include it
 
 	bool stretches() const { return inverseStretchMass.x > 0 || inverseStretchMass.y > 0; }
 	/// Sets the stretch rate and updates the drifts of all points.

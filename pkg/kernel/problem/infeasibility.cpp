@@ -108,7 +108,8 @@ bool isDivergent(const ContactProblem& problem, const std::vector<Impulse>& befo
 		growth2 += square(d[k]);
 		size2 += square(p);
 	}
-	return growth2 > minGrowth * minGrowth * size2 && velocityChangeBound(problem, d) > maxChange;
+	return growth2 > divergentGrowth * divergentGrowth * size2
+	        && velocityChangeBound(problem, d) > maxChange;
 }
 
 } // namespace rcr

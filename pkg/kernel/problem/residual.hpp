@@ -34,7 +34,7 @@ struct Errors {
 Errors errorsOf(const ContactProblem&, double velocityFloor);
 
 /// √(error2 / scale2); NaN if the scale overflows, because the error may be as large.
-inline double relative(double error2, double scale2)
+inline double relativeRms(double error2, double scale2)
 {
 	if (error2 == 0) return 0;
 	return scale2 <= std::numeric_limits<double>::max() ? std::sqrt(error2 / scale2)
@@ -55,14 +55,14 @@ inline Measures measuresOf(Impulse p, Impulse u, double bias, double friction, d
 inline double kinematicErrorFromSums(
         double error2, double velocity2, double freeVelocity2, double velocityFloor)
 {
-	return relative(error2, std::max(velocity2, velocityFloor * velocityFloor * freeVelocity2));
+	return relativeRms(error2, std::max(velocity2, velocityFloor * velocityFloor * freeVelocity2));
 }
 
 /// Residual from sums of squares over the points: error, p, and the impulse that stops a point,
 /// (|u_n| + |b_n|)/w_nn. Without load ‖p‖ is rounding; 1e-8 of the stopping impulses bounds it.
 inline double residualFromSums(double error2, double impulse2, double stopping2)
 {
-	return relative(error2, std::max(impulse2, 1e-16 * stopping2));
+	return relativeRms(error2, std::max(impulse2, 1e-16 * stopping2));
 }
 
 } // namespace rcr

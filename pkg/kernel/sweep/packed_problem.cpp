@@ -193,7 +193,7 @@ template <class Visit> void PackedProblem::forEachPoint(const PackedPair& pair, 
 		        pair.slot % blockWidth);
 }
 
-void PackedProblem::setBiases(const ContactProblem& problem, const std::vector<double>& bias)
+void PackedProblem::reload(const ContactProblem& problem, const std::vector<double>& bias)
 {
 	const std::vector<PackedPair>& pairs = layout_.pairs();
 	std::atomic<bool>              changed { false };

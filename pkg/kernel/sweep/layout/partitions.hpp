@@ -1,8 +1,9 @@
 // Partitions of an island: runs of levels of a breadth-first search over its bodies.
 //
 // A pair joins bodies of one level or of two successive levels. A partition has at least two
-// levels. So a pair lies within a partition or on the interface to the next one, and no body has
-// pairs on two interfaces. All partitions may be swept at once, and then all interfaces.
+// levels; the last one may have one. So a pair lies within a partition or on the interface to the
+// next one, and no body has pairs on two interfaces. All partitions may be swept at once, and then
+// all interfaces.
 #pragma once
 
 #include <array>
