@@ -94,8 +94,8 @@ bool Neighbors::update(const Step& step, ThreadTeam& team)
 /// Bounding box of a body, enlarged by its alert distance, the margin and `more` [m].
 Neighbors::Box Neighbors::box(std::size_t id, double more) const
 {
-	const Reference& at    = reference_[id];
-	const double     round = at.alertDistance + margin_ + more;
+	const Reference& at         = reference_[id];
+	const double     round      = at.alertDistance + margin_ + more;
 	const auto [center, extent] = boundsOf(at.shape, at.pose);
 	const Vec2 half             = extent + Vec2 { round, round };
 	return { center - half, center + half };

@@ -55,7 +55,7 @@ namespace {
 
 } // namespace
 
-bool lowerRestitution(Step& step)
+bool lowerPairRestitution(Step& step)
 {
 	bool                   changed = false;
 	const std::vector<int> points  = pointsByBodies(step);

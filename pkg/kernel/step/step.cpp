@@ -104,7 +104,7 @@ double Step::roundingVelocity(ThreadTeam& team) const
 	});
 }
 
-void Step::keepForces(ThreadTeam& team)
+void Step::computeForces(ThreadTeam& team)
 {
 	const double inverseDt = 1 / dt;
 	team.forEach(force.size(), [&](std::size_t k) { force[k] = inverseDt * problem.impulse[k]; });

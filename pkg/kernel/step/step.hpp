@@ -58,8 +58,8 @@ struct StepBody {
 	Twist        velocity;          // at the beginning of the step
 	double       radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
 	double       alertDistance = 0; // distance within which its contacts were detected [m]
-	// longest path whose contacts are detected [m]; infinite for bodies whose motion is prescribed,
-	// except clump members
+	// detection covers paths up to this length [m]; infinite for prescribed motion, except of clump
+	// members
 	double       coveredPath   = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
 	bool         free          = false; // at least one degree of freedom is not blocked
@@ -83,7 +83,7 @@ struct StepContact {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t first = 0, count = 0;
 	// its number in the list of the simulation, or in Pairs::all for steps in arrays; −1: new
-	std::int32_t listIndex   = -1;
+	std::int32_t sourceIndex = -1;
 	double       friction = 0, restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
 	Vec2         shift, drift; // of the image of body 2 [m], and its relative velocity [m/s]
@@ -217,7 +217,7 @@ struct Step {
 	void               indexContacts();                  // computes firstContact
 	const StepContact* find(int body1, int body2) const; // null: no contact
 	double roundingVelocity(ThreadTeam&) const; // rounding error of the velocities [m/s]
-	void   keepForces(ThreadTeam&);             // computes them from the impulses
+	void   computeForces(ThreadTeam&);          // from the impulses
 
 	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before
 	/// it [1/s].

@@ -39,7 +39,7 @@
 namespace rcr {
 
 struct YieldBounds {
-	double   driveSpeed = 0; // 0: no body is driven
+	double   driveSpeed = 0; // 0: no contact point is driven
 	Yielding yielding { 0.01 }; // default ε: for steps without a solution and without driven bodies
 };
 
