@@ -34,12 +34,14 @@ namespace {
 		        "normal"_a = normal, "gap"_a = gap);
 	}
 
+	Vec2 axisOf(double angle) { return { std::cos(angle), std::sin(angle) }; }
+
 	/// Poses from rows (x, y, angle).
 	std::vector<Pose> posesFrom(const Array& array, const char* name, py::ssize_t count)
 	{
 		std::vector<Pose> poses;
 		for (const auto& [x, y, angle] : rowsFrom<std::array<double, 3>>(array, name, count))
-			poses.push_back(pose({ x, y }, angle));
+			poses.push_back({ { x, y }, axisOf(angle) });
 		return poses;
 	}
 
@@ -98,7 +100,7 @@ void bindGeometry(py::module_& m)
 	m.def(
 	        "half_extent",
 	        [](double a, double r, double angle) {
-		        const Vec2 h = halfExtent(Stadium { a, r }, pose({}, angle).axis);
+		        const Vec2 h = halfExtent(Stadium { a, r }, axisOf(angle));
 		        return py::make_tuple(h.x, h.y);
 	        },
 	        "half_length"_a, "cap_radius"_a, "angle"_a,

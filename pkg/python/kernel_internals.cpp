@@ -17,10 +17,14 @@ namespace {
 
 	py::tuple yieldBoundsFrom(const Array& before, const py::kwargs& arrays)
 	{
-		const ContactProblem problem = problemFrom(arrays);
-		const auto twists = rowsFrom<Twist>(before, "before", problem.freeVelocity.size());
+		Step step;
+		step.problem = problemFrom(arrays);
+		step.bodies.resize(step.problem.freeVelocity.size());
+		const auto twists = rowsFrom<Twist>(before, "before", step.bodies.size());
+		for (std::size_t id = 0; id < twists.size(); ++id)
+			step.bodies[id].velocity = twists[id];
 		ThreadTeam alone;
-		const auto [driveSpeed, yielding] = yieldBoundsOf(problem, twists, alone);
+		const auto [driveSpeed, yielding] = yieldBoundsOf(step, alone);
 		return py::make_tuple(driveSpeed, yielding.compliance, yielding.yieldImpulse);
 	}
 
@@ -201,7 +205,9 @@ namespace {
 void bindInternals(py::module_& m)
 {
 	bindDetectors(m);
-	m.def("residual", [](const py::kwargs& arrays) { return residual(problemFrom(arrays)); },
+	m.def(
+	        "residual",
+	        [](const py::kwargs& arrays) { return errorsOf(problemFrom(arrays), 0).residual; },
 	        "Residual [-] of a problem; arrays as in `solve`.");
 	m.def("yield_bounds", yieldBoundsFrom, "before"_a,
 	        "(drive speed, compliance, yield impulse) of a problem, for previous velocities of the\n"
@@ -209,7 +215,7 @@ void bindInternals(py::module_& m)
 	m.def(
 	        "kinematic_error",
 	        [](double velocityFloor, const py::kwargs& arrays) {
-		        return kinematicError(problemFrom(arrays), velocityFloor);
+		        return errorsOf(problemFrom(arrays), velocityFloor).kinematicError;
 	        },
 	        "velocity_floor"_a,
 	        "Kinematic error [-] of a problem (residual.hpp); arrays as in `solve`.");
@@ -223,7 +229,7 @@ void bindInternals(py::module_& m)
 	        "Returns a dict: impulse, complete, pivots, unstable.");
 	py::class_<Coloring>(m, "Coloring", "Greedy colouring of pairs.")
 	        .def(py::init<std::size_t>(), "bodies"_a)
-	        .def("take", &Coloring::take, "body1"_a, "limits1"_a, "body2"_a, "limits2"_a,
+	        .def("take", &Coloring::take, "body1"_a, "moves1"_a, "body2"_a, "moves2"_a,
 	                "Assign a colour; −1: overflow.")
 	        .def_property_readonly_static("colors",
 	                [](const py::object&) { return Coloring::colors; });

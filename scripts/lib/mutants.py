@@ -28,13 +28,15 @@ TABLE = {
         ("second-point-of-the-back", ".side || dot(facing[k].normal, first.normal) <= 0", ".side"),
         ("nearest-second-point", "distance <= farthest)",
          "(result.count == 2 && distance >= farthest))"),
-        ("points-not-sorted", "[0].position, axis) < 0)", "[0].position, axis) < -1e300)"),
         ("distance-without-gap", "+ s2.capRadius + maxGap;", "+ s2.capRadius;"),
         ("crossing-on-one-line", "< 0 && across2 < 0 && along1 < 0", "< 0 && across2 < 0"),
         ("deepest-end", "if (-std::abs(h) <= least.", "if (k > 0 && -std::abs(h) >= least."),
         ("wall-of-one-cap", "if (s.halfLength == 0) break;\n\t}\n\treturn result;",
          "break;\n\t}\n\treturn result;"),
         ("corner-of-the-box", "std::abs(along) > sideReach * c", "std::abs(along) < sideReach * c"),
+    ],
+    "geometry/shadow_overlap.hpp": [
+        ("points-not-sorted", "[0].position, axis) < 0)", "[0].position, axis) < -1e300)"),
     ],
     "problem/coulomb.hpp": [
         ("without-de-saxce", "(u.n + friction * std::abs(u.t)) / wnn", "u.n / wnn"),
@@ -58,7 +60,7 @@ TABLE = {
     "problem/solver.cpp": [
         ("keeps-positive-cost", "rigid.converged || !hasPositiveCost(problem)", "true"),
         ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
-        ("too-fine-for-sweeps", "finestForSweeps = 1e-6;", "finestForSweeps = 1e-12;"),
+        ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),
     ],
     "problem/contact_problem.cpp": [
         ("one-id-unchecked", ">= bodies || std::size_t(c.body2) >= bodies", ">= bodies"),
@@ -67,10 +69,10 @@ TABLE = {
         ("nan-is-finite", "((values - values) + ...) == 0", "!(((values - values) + ...) > 0)"),
     ],
     "sweep/layout/coloring.hpp": [
-        ("second-body-free", "if (limits2) used_[body2] |= lowest;", ""),
+        ("second-body-free", "if (moves2) used_[body2] |= lowest;", ""),
         ("overflow-takes-a-colour",
-         "if (lowest >> colors) return none;\n\t\tif (limits1) used_[body1] |= lowest;",
-         "if (limits1) used_[body1] |= lowest;\n\t\tif (lowest >> colors) return none;"),
+         "if (lowest >> colors) return none;\n\t\tif (moves1) used_[body1] |= lowest;",
+         "if (moves1) used_[body1] |= lowest;\n\t\tif (lowest >> colors) return none;"),
     ],
     "sweep/layout/layout.cpp": [
         ("model-of-the-first-point", "joins ? common(c.required, next.required) : c.", "c."),
@@ -111,7 +113,7 @@ TABLE = {
         ("floats-out-of-range", "(std::abs(value) > 1e-12 && std::abs(value) < 1e12)", "true"),
     ],
     "sweep/packed_problem.cpp": [
-        ("setBiases-keeps-the-overflow", "c.bias          = bias[c.point];", ""),
+        ("reload-keeps-the-overflow", "c.bias          = bias[c.point];", ""),
         ("spin-not-scaled-back", "v[record::spin] * inverseGyration_[i]", "v[record::spin]"),
     ],
     "sweep/lane/point_models.hpp": [

@@ -57,9 +57,8 @@ void CellStress::gatherCell(rcr::Step& step) const
 		if (step.overdamped) cell.gradient[axis][axis] = 0;
 		cell.gradient[axis][axis] -= inverse * step.dt * double(stress[axis]) * cell.area();
 	};
-	free(0, size.x, cell.inverseMass.x);
-	free(1, size.y, cell.inverseMass.y);
-	step.problem.inverseStretchMass = cell.inverseMass;
+	free(0, size.x, step.problem.inverseStretchMass.x);
+	free(1, size.y, step.problem.inverseStretchMass.y);
 }
 
 } // namespace yade

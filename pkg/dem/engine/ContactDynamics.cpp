@@ -157,7 +157,7 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 	timed("scatter", [&] {
 		step_.setMemberVelocities();
 		step_.updateGradient(stretchBefore);
-		step_.keepForces(workspace_.team());
+		step_.computeForces(workspace_.team());
 	});
 }
 

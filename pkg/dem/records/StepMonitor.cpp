@@ -34,7 +34,7 @@ static std::string drivenParts(const rcr::Step& step)
 	for (int id = 0; id < int(step.bodies.size()); ++id)
 		if (step.problem.driven(id)) driven.push_back(id);
 	std::string parts = validation::bodyNames(driven);
-	if (step.cell.driven())
+	if (step.cell.driven(step.problem.inverseStretchMass))
 		parts += std::string(parts.empty() ? "" : " and ") + "the velocity gradient of the cell";
 	return parts;
 }
@@ -124,7 +124,8 @@ void checkEnergy(const rcr::Step& step, long iteration)
 
 void checkStretch(const rcr::Step& step, long iteration)
 {
-	const double inverse[2] = { step.cell.inverseMass.x, step.cell.inverseMass.y };
+	const rcr::Vec2 m          = step.problem.inverseStretchMass;
+	const double    inverse[2] = { m.x, m.y };
 	for (int axis = 0; axis < 2; ++axis) {
 		const double strain
 		        = inverse[axis] > 0 ? std::abs(step.cell.gradient[axis][axis]) * step.dt : 0;

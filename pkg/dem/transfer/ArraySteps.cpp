@@ -187,7 +187,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	if (first) begin(team, handles, step);
 	pairs_.addDetected(step, scene.iter);
 	if (first || !step.added.empty()) pairs_.numberContacts(step);
-	pairs_.keepForces(step, team);
+	pairs_.storeForces(step, team);
 	move(scene, *engines.integrator, team, handles, impulses, step);
 	advanceTime(scene);
 	++count_;
@@ -224,10 +224,10 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 	});
 	pairs_.all.clear();
 	for (const rcr::StepContact& contact : step.contacts) {
-		if (contact.listIndex < 0) continue;
+		if (contact.sourceIndex < 0) continue;
 		rcr::Pair pair;
 		pair.body1 = contact.body1, pair.body2 = contact.body2;
-		pair.interactionIndex = contact.listIndex;
+		pair.interactionIndex = contact.sourceIndex;
 		pairs_.all.push_back(pair);
 	}
 	pairs_.manifold.resize(pairs_.all.size());
@@ -236,7 +236,7 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 		const rcr::Pair& later = pairs_.all[indexAhead(k, pairs_.all.size())];
 		prefetch<CdPhys>(handles.sorted[later.interactionIndex].phys);
 		const CdPhys& phys = *handles.sorted[pair.interactionIndex].phys;
-		pair.points        = phys.points;
+		pair.pointCount    = phys.points;
 		pair.friction      = double(phys.tangensOfFrictionAngle);
 		pair.restitution   = double(phys.restitution);
 		for (int point = 0; point < 2; ++point)
@@ -309,7 +309,7 @@ void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engi
 		if (!pair.isNew) continue;
 		if (!validation::requireFrictMat(scene, pair.body1, pair.body2)
 		        || !allowsContact(scene, engines, pair.body1, pair.body2)) {
-			pair.points = 0;
+			pair.pointCount = 0;
 			continue;
 		}
 		const auto law = coefficientsOf(scene, *engines.loop, pair.body1, pair.body2);

@@ -29,7 +29,7 @@ void ArraySteps::writeBack(
 	std::vector<char>         lasts(handles.sorted.size());
 	// false for a new pair after an error
 	const auto                made = [](const rcr::Pair& pair) {
-        return pair.points > 0 && (pair.interactionIndex >= 0 || pair.formedAt >= 0);
+        return pair.pointCount > 0 && (pair.interactionIndex >= 0 || pair.formedAt >= 0);
 	};
 	for (std::size_t k = 0; k < interaction.size(); ++k) {
 		const int index = pairs_.all[k].interactionIndex;

@@ -19,15 +19,14 @@ inline bool grainLeavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr
 
 /// Returns true if an obstacle at this pose, enlarged by `margin` [m], leaves its box.
 inline bool obstacleLeavesBox(
-        const rcr::PlanarShape& shape, rcr::Pose at, double margin, const Bound& bound)
+        const rcr::PlanarShape& shape, const rcr::Pose& at, double margin, const Bound& bound)
 {
-	if (shape.kind == rcr::PlanarShape::segment) at = rcr::segmentPose(shape, at);
-	const rcr::Vec2 half = rcr::halfExtent(shape, at.axis);
-	const auto      out  = [&](int axis, double center, double extent) {
+	const rcr::BoundingBox box = rcr::boundsOf(shape, at);
+	const auto             out = [&](int axis, double center, double extent) {
         return center + extent + margin > double(bound.max[axis])
                 || center - extent - margin < double(bound.min[axis]);
 	};
-	return out(0, at.center.x, half.x) || out(1, at.center.y, half.y);
+	return out(0, box.center.x, box.half.x) || out(1, box.center.y, box.half.y);
 }
 
 } // namespace yade

@@ -27,7 +27,7 @@ struct SceneHandles {
 	PairExclusions            pairExclusions; // of the last step
 	// in the order of YADE's container; 0 points: not a contact of this law
 	std::vector<Contact>      found;
-	// by body 1, then body 2; StepContact::listIndex is the number in this list
+	// by body 1, then body 2; StepContact::sourceIndex is the number in this list
 	std::vector<Contact>      sorted;
 	Real                      z = 0; // height of the plane
 };

@@ -42,7 +42,7 @@ static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 {
 	for (const rcr::DetectedContact& detected : step.added) {
 		const auto k = step.find(detected.body1, detected.body2) - step.contacts.data();
-		step.contacts[k].listIndex = int(handles.sorted.size());
+		step.contacts[k].sourceIndex = int(handles.sorted.size());
 		handles.sorted.push_back(writeAddedContact(scene, step, detected));
 	}
 }
@@ -179,7 +179,7 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 	addContacts(scene, handles, step);
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
 		const auto physOf = [&](std::size_t number) {
-			return handles.sorted[step.contacts[number].listIndex].phys;
+			return handles.sorted[step.contacts[number].sourceIndex].phys;
 		};
 		prefetch<CdPhys>(physOf(indexAhead(k, step.contacts.size())));
 		writeForces(step, step.contacts[k], *physOf(k));
@@ -199,7 +199,7 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 		if (!step.displacement.empty() && body.free)
 			applyCorrection(*handles.state[id], step.displacement[id]);
 	});
-	if (step.cell.stretches()) deformCell(*scene.cell, step.cell, step.strain);
+	if (step.problem.stretches()) deformCell(*scene.cell, step.cell, step.strain);
 	requestCollider(scene, team, handles, step);
 }
 

@@ -14,8 +14,8 @@
 //
 // A loaded contact whose gap stays open along the path is released. With the smallest measured gap
 // g_min, its bias rises by 2 g_min/dt, and by |g|/dt at an overlap g < 0. The gap must exceed 2 %
-// of the slop. Without restitution, it must also exceed 1 % of the closing path, up to the slop. If
-// the contact bore a force before the step, the gap must exceed half the slop.
+// of the slop. Without restitution, it must also exceed 1 % of the closing path, up to the slop,
+// and half the slop if the contact bore a force before the step.
 //
 // A contact with restitution is released if the bodies would miss each other at their initial
 // velocities. Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
@@ -49,7 +49,7 @@ inline bool hasLargeDisplacement(const Step& step, const StepContact& c)
 	        step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
 }
 
-/// Returns true if a contact has one at the solved velocities.
+/// Returns true if a contact has a large displacement at the solved velocities.
 inline bool anyLargeDisplacement(const Step& step)
 {
 	return std::any_of(step.contacts.begin(), step.contacts.end(),

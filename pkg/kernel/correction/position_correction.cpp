@@ -7,8 +7,8 @@ namespace rcr {
 constexpr double largestShift = 1e-4; // over the radius of a grain
 constexpr int    sweeps       = 10;
 
-/// u_n at which a point removes the fraction β of its overlap beyond the slop [m/s].
-static double recoveryVelocity(const Step& step, std::size_t k, double beta)
+/// Bias ≤ 0 with which a point removes the fraction β of its overlap beyond the slop [m/s].
+static double recoveryBias(const Step& step, std::size_t k, double beta)
 {
 	return std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt);
 }
@@ -17,13 +17,11 @@ void setRecoveryBias(Step& step, double beta, ThreadTeam& team)
 {
 	step.problem.recoveryBias.resize(step.gap.size());
 	team.forEach(step.gap.size(),
-	        [&](std::size_t k) { step.problem.recoveryBias[k] = recoveryVelocity(step, k, beta); });
+	        [&](std::size_t k) { step.problem.recoveryBias[k] = recoveryBias(step, k, beta); });
 }
 
 void correctPositions(Step& step, double beta, Workspace& workspace)
 {
-	step.displacement.clear();
-	step.strain = {};
 	if (beta == 0 || step.overdamped) return;
 	if (std::none_of(step.gap.begin(), step.gap.end(),
 	            [](const Gap& gap) { return gap.now < gap.allowed; }))
@@ -32,7 +30,7 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 	ThreadTeam&           team    = workspace.team();
 	std::vector<double>   bias(step.gap.size());
 	team.forEach(bias.size(), [&](std::size_t k) {
-		const double law = problem.points[k].bias, recovery = recoveryVelocity(step, k, beta);
+		const double law = problem.points[k].bias, recovery = recoveryBias(step, k, beta);
 		bias[k]          = recovery < 0 ? std::min(law, recovery) : law;
 	});
 	sweepWithBias(problem, bias, sweeps, step.displacement, step.strain, workspace);

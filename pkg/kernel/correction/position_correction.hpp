@@ -1,9 +1,9 @@
 // Removes overlaps by displacements that never become velocities (split impulses).
 //
 // The tolerance of the solver and the curvature of paths leave overlaps. The step is solved once
-// more from its own impulses, with u_n ≥ β |g|/dt at overlaps. The bodies are displaced by dt (v_β
-// − v). Both solves contain the loads of the step. So a displacement opens no contact that the next
-// step would close with an impact.
+// more from its own impulses, with u_n ≥ β (|g| − slop)/dt at overlaps. The bodies are displaced by
+// dt (v_β − v). Both solves contain the loads of the step. So a displacement opens no contact that
+// the next step would close with an impact.
 //
 // Only the overlap beyond the slop counts. In a marginal packing, a contact opens only if other
 // bodies move far and then overlap again. The largest displacement is therefore bounded, and all
@@ -16,12 +16,12 @@
 
 namespace rcr {
 
-/// Computes step.displacement and step.strain; empty and 0 if no overlap exceeds the slop. The
-/// workspace must hold the solved step.
+/// Computes step.displacement and step.strain, once per step. They stay empty and 0 if no overlap
+/// exceeds the slop, for β = 0, and in overdamped steps. The workspace must hold the solved step.
 void correctPositions(Step&, double beta, Workspace&);
 
-/// Computes problem.recoveryBias: the normal velocities at which yielding contacts remove the
-/// fraction β of their overlaps.
+/// Computes problem.recoveryBias: the biases with which yielding contacts remove the fraction β of
+/// their overlaps beyond the slop.
 void setRecoveryBias(Step&, double beta, ThreadTeam&);
 
 } // namespace rcr

@@ -146,11 +146,11 @@ namespace {
 				point.arm1 = at.points[k].position - center(id1);
 				point.arm2 = at.points[k].position - (center(id2) + c.shift + step_.dt * c.drift);
 				const double gap = at.points[k].gap + relativeVelocity(point, moved1, moved2).n;
-				const double excess = -gap - allowed(c);
-				if (excess <= tolerance * c.slop()) continue;
+				const double surplus = -gap - allowed(c);
+				if (surplus <= tolerance * c.slop()) continue;
 				const double compliance = delassus(point, m1, m2).nn;
 				if (!(compliance > 0)) continue;
-				const Impulse push { excess / compliance, 0 };
+				const Impulse push { surplus / compliance, 0 };
 				applyImpulse(point, push, m1, m2, moved1, moved2);
 				displaced = true;
 			}

@@ -21,8 +21,6 @@ namespace rcr {
 
 namespace {
 
-	constexpr double relaxation = 1.3; // [-], as for problems with bodies
-
 	class Sweeps {
 	public:
 		explicit Sweeps(DelassusProblem& problem)
@@ -94,7 +92,7 @@ namespace {
 				largest = std::max(largest, p.n);
 			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
 				const Impulse p = problem_.impulse[k], u = problem_.velocity[k];
-				energy -= p.n * u.n + p.t * u.t;
+				energy -= dot(p, u);
 				if (p.n <= noiseShare * largest) continue;
 				mass += 1 / block(k).nn;
 				speed = std::max(speed, std::sqrt(square(problem_.freeVelocity[k])));
@@ -168,7 +166,7 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 	report.iterations = stop.sweeps();
 	report.work       = double(report.iterations) * double(problem.freeVelocity.size());
 	report.residual   = sweeps.measure();
-	report.converged  = (report.meetsResidual(settings) || report.residual == 0)
+	report.converged  = report.residual <= settings.tolerance
 	        && !sweeps.closesBlockedPoint() && !sweeps.exceedsEnergyBound();
 	return report;
 }

@@ -94,21 +94,20 @@ bool Neighbors::update(const Step& step, ThreadTeam& team)
 /// Bounding box of a body, enlarged by its alert distance, the margin and `more` [m].
 Neighbors::Box Neighbors::box(std::size_t id, double more) const
 {
-	const Reference& at = reference_[id];
-	Pose         pose = at.pose;
-	if (at.shape.kind == PlanarShape::segment) pose = segmentPose(at.shape, pose);
-	const double round = at.alertDistance + margin_ + more;
-	const Vec2   half  = halfExtent(at.shape, pose.axis) + Vec2 { round, round };
-	return { pose.center - half, pose.center + half };
+	const Reference& at         = reference_[id];
+	const double     round      = at.alertDistance + margin_ + more;
+	const auto [center, extent] = boundsOf(at.shape, at.pose);
+	const Vec2 half             = extent + Vec2 { round, round };
+	return { center - half, center + half };
 }
 
-void Neighbors::chooseMargin(const Step& step)
+void Neighbors::chooseMargin()
 {
 	std::vector<double> paths;
 	double              radii = 0;
 	int                 grains = 0;
-	paths.reserve(step.bodies.size());
-	for (const StepBody& body : step.bodies) {
+	paths.reserve(reference_.size());
+	for (const Reference& body : reference_) {
 		if (body.shape.kind == PlanarShape::none) continue;
 		paths.push_back(0.5 * body.alertDistance); // the alert distance is twice the path of a step
 		if (!body.shape.grain()) continue;
@@ -122,13 +121,13 @@ void Neighbors::chooseMargin(const Step& step)
 }
 
 /// Sorts grains into cells, except for the widest, which search their surroundings.
-void Neighbors::sortIntoCells(const Step& step)
+void Neighbors::sortIntoCells()
 {
 	std::vector<double>       extents, x, y;
 	std::vector<std::int32_t> grains;
-	isWide_.assign(step.bodies.size(), true);
+	isWide_.assign(reference_.size(), true);
 	wide_.clear();
-	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+	for (std::size_t id = 0; id < reference_.size(); ++id) {
 		if (reference_[id].shape.kind == PlanarShape::none) continue;
 		if (!reference_[id].shape.grain()) {
 			wide_.push_back(std::int32_t(id));
@@ -189,15 +188,15 @@ template <class Visit> void Neighbors::forEachGrain(const Box& box, Visit visit)
 			visit(inCells_[k]);
 }
 
-void Neighbors::searchNarrow(const Step& step, ThreadTeam& team)
+void Neighbors::searchNarrow(ThreadTeam& team)
 {
-	const int parts = int((step.bodies.size() + bodiesPerPart - 1) / bodiesPerPart);
+	const int parts = int((reference_.size() + bodiesPerPart - 1) / bodiesPerPart);
 	found_.resize(parts);
 	team.parallelFor(0, parts, [&](int part) {
 		List& found = found_[part];
 		found.clear();
 		for (std::size_t id = std::size_t(part) * bodiesPerPart;
-		        id < std::min(step.bodies.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
+		        id < std::min(reference_.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
 			if (isWide_[id]) continue;
 			const std::size_t begin = found.size();
 			const Vec2        c     = reference_[id].pose.center, around { width_, width_ };
@@ -246,9 +245,9 @@ void Neighbors::find(const Step& step, ThreadTeam& team)
 {
 	reference_.resize(step.bodies.size());
 	team.forEach(reference_.size(), [&](std::size_t id) { setReference(id, step.bodies[id]); });
-	chooseMargin(step);
-	sortIntoCells(step);
-	searchNarrow(step, team);
+	chooseMargin();
+	sortIntoCells();
+	searchNarrow(team);
 	wideAtFirst_ = wide_.size();
 	isMoved_ = isWide_; // each pair of two wide bodies is found once
 	searchAround(wide_, team);

@@ -6,8 +6,8 @@
 //
 //   |x − x₀| + a |τ − τ₀| + ℓ − ℓ₀ ≤ margin
 //
-// Its core has the unit axis τ and the half length a; the index 0 marks values at the time of the
-// list.
+// The core of a body has the unit axis τ and the half length a. The index 0 marks values at the
+// time of the list.
 //
 // The margin is the path of all but the fastest bodies in 12 steps, within 0.05 to 0.4 mean cap
 // radii. Candidates come from a grid. A cell is as wide as the search circles of all but the widest
@@ -26,7 +26,7 @@ class Neighbors {
 public:
 	using List = std::vector<std::pair<std::int32_t, std::int32_t>>; // (body 1, body 2)
 
-	/// Makes the list valid for the step; returns false if it did not change. Not for clumps and
+	/// Makes the list valid for the step. Returns false if it was still valid. Not for clumps and
 	/// periodic cells.
 	bool update(const Step&, ThreadTeam&);
 
@@ -53,11 +53,11 @@ private:
 	Box  box(std::size_t id, double more) const;
 	int  column(double x) const;
 	int  row(double y) const;
-	void chooseMargin(const Step&);
-	void sortIntoCells(const Step&);
+	void chooseMargin();
+	void sortIntoCells();
 	bool near(std::int32_t body1, std::int32_t body2) const;
 	template <class Visit> void forEachGrain(const Box&, Visit) const;
-	void searchNarrow(const Step&, ThreadTeam&);
+	void searchNarrow(ThreadTeam&);
 	void searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam&);
 
 	double                 margin_ = 0; // [m]

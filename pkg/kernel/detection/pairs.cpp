@@ -16,20 +16,19 @@ void Pairs::assign(const Neighbors::List& list, bool keepContacts)
 		Pair pair;
 		pair.body1 = one, pair.body2 = two;
 		for (; old < all.size() && precedes(all[old], pair); ++old)
-			if (keepContacts && all[old].points > 0) keep(old);
+			if (keepContacts && all[old].pointCount > 0) keep(old);
 		if (old < all.size() && !precedes(pair, all[old]))
 			keep(old++);
 		else
 			now.all.push_back(pair), now.manifold.emplace_back();
 	}
 	for (; keepContacts && old < all.size(); ++old)
-		if (all[old].points > 0) keep(old);
+		if (all[old].pointCount > 0) keep(old);
 	std::swap(*this, now);
 }
 
 void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 {
-	manifold.resize(all.size());
 	team.forEach(all.size(), [&](std::size_t k) {
 		Pair&           pair = all[k];
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
@@ -38,19 +37,19 @@ void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 		Manifold        detected;
 		if (canTouch(one.shape.kind, two.shape.kind))
 			detected = contactPoints(one.shape, at1, two.shape, at2, maxGap);
-		pair.isNew = detected.count > 0 && pair.points == 0;
+		pair.isNew = detected.count > 0 && pair.pointCount == 0;
 		if (detected.count == 0) {
-			if (!keepContacts) pair.points = 0;
+			if (!keepContacts) pair.pointCount = 0;
 			return;
 		}
 		if (pair.isNew) pair.force[0] = pair.force[1] = {};
 		double along[2];
 		for (int point = 0; point < 2; ++point)
 			along[point] = positionAlong(one.shape, at1, at2, detected.points[point]);
-		carryForward(pair.points, pair.along, detected.count, along, pair.force[0], pair.force[1],
-		        Impulse {});
-		manifold[k] = detected;
-		pair.points = detected.count;
+		carryForward(pair.pointCount, pair.along, detected.count, along, pair.force[0],
+		        pair.force[1], Impulse {});
+		manifold[k]     = detected;
+		pair.pointCount = detected.count;
 		std::copy_n(along, 2, pair.along);
 	});
 }
@@ -75,7 +74,7 @@ void Pairs::addDetected(const Step& step, long iteration)
 			pair.formedAt = iteration;
 		}
 		manifold[&pair - all.data()] = detected.manifold;
-		pair.points                  = detected.manifold.count;
+		pair.pointCount              = detected.manifold.count;
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		for (int k = 0; k < 2; ++k)
 			pair.along[k] = positionAlong(
@@ -89,7 +88,7 @@ void Pairs::numberContacts(Step& step) const
 	for (StepContact& contact : step.contacts) {
 		while (precedes(*pair, contact))
 			++pair;
-		contact.listIndex = int(pair - all.begin());
+		contact.sourceIndex = int(pair - all.begin());
 	}
 }
 
@@ -100,10 +99,10 @@ void Pairs::writeContacts(Step& step, ThreadTeam& team) const
 	touching.reserve(all.size()), first.reserve(all.size());
 	int points = 0;
 	for (std::size_t k = 0; k < all.size(); ++k) {
-		if (all[k].points == 0) continue;
+		if (all[k].pointCount == 0) continue;
 		touching.push_back(std::int32_t(k));
 		first.push_back(points);
-		points += all[k].points;
+		points += all[k].pointCount;
 	}
 	step.contacts.resize(touching.size());
 	step.resizePoints(points);
@@ -112,18 +111,18 @@ void Pairs::writeContacts(Step& step, ThreadTeam& team) const
 		const Pair&        pair   = all[number];
 		const double       size
 		        = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
-		step.contacts[k] = { pair.body1, pair.body2, first[k], pair.points, number,
+		step.contacts[k] = { pair.body1, pair.body2, first[k], pair.pointCount, number,
 			pair.friction, pair.restitution, size, {}, {} };
 		step.setPoints(step.contacts[k], manifold[number], pair.force);
 	});
 	step.indexContacts();
 }
 
-void Pairs::keepForces(const Step& step, ThreadTeam& team)
+void Pairs::storeForces(const Step& step, ThreadTeam& team)
 {
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		std::copy_n(&step.force[contact.first], contact.count, all[contact.listIndex].force);
+		std::copy_n(&step.force[contact.first], contact.count, all[contact.sourceIndex].force);
 	});
 }
 

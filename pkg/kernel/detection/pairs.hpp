@@ -9,9 +9,9 @@ namespace rcr {
 
 struct Pair {
 	std::int32_t body1 = 0, body2 = 0;
-	std::int32_t points           = 0;     // contact points; 0: no contact
+	std::int32_t pointCount       = 0;     // contact points; 0: no contact
 	std::int32_t interactionIndex = -1;    // number of the contact in the simulation; −1: none
-	bool         isNew            = false; // its friction and restitution are not set yet
+	bool         isNew            = false; // found by the last detection
 	long         formedAt = -1; // iteration of its first step; −1: stored in the simulation
 	double       friction = 0, restitution = 0;
 	double       along[2] {}; // positionAlong of each point [m]
@@ -28,12 +28,12 @@ struct Pairs {
 
 	/// Detects the contact points of every pair at the poses of the step and carries their forces
 	/// forward. `keepContacts`: contacts beyond the present reach remain.
-	void detect(const Step&, ThreadTeam&, bool keepContacts = false);
+	void detect(const Step&, ThreadTeam&, bool keepContacts);
 
 	void addDetected(const Step&, long iteration); // adds the contacts of Step::added
-	void numberContacts(Step&) const;              // sets StepContact::listIndex
+	void numberContacts(Step&) const;              // sets StepContact::sourceIndex
 	void writeContacts(Step&, ThreadTeam&) const;  // contacts with the forces that they start from
-	void keepForces(const Step&, ThreadTeam&);     // of a solved step
+	void storeForces(const Step&, ThreadTeam&);    // of a solved step
 };
 
 } // namespace rcr

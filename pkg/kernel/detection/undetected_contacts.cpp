@@ -265,8 +265,7 @@ bool spansHalfCell(const Step& step)
 
 double detectionReach(const Step& step, std::size_t id)
 {
-	const double widened = id < step.widenedReach.size() ? step.widenedReach[id] : 0;
-	return std::max(step.bodies[id].alertDistance, widened);
+	return std::max(step.bodies[id].alertDistance, step.widenedReach[id]);
 }
 
 bool findUnlistedContacts(
@@ -281,7 +280,6 @@ bool findUnlistedContacts(
 
 bool findUndetectedContacts(Step& step, const ContactFilter& allowsContact)
 {
-	step.widenedReach.resize(step.bodies.size());
 	const std::vector<std::int32_t> widened = widenReach(step);
 	if (!widened.empty()) {
 		const Candidates candidates(step, widened);

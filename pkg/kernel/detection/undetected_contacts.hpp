@@ -11,7 +11,7 @@
 //   ℓ_i = dt v_i, for a grain 0.01 R' more
 //
 // A body that is released or hit may move further, and CellStress may change v_i in the solve.
-// After the solve, the reach of a free body whose path exceeds ℓ is widened to ℓ + 1.5 path. If an
+// After the solve, the reach of a free body whose path exceeds it is widened by 1.5 paths. If an
 // undetected gap then closes beyond the slop, all contacts within the widened reach are added. The
 // step is then solved again, up to its limit of passes. If images move further than 2 dt v_i plus
 // 0.01 R', all bodies reach further by the new v_i. A gap closes on its tangent plane. With a

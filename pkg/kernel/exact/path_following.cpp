@@ -7,7 +7,7 @@ namespace rcr {
 namespace {
 
 	constexpr std::size_t maxUpdates = 20; // between two factorisations; both cost about the same
-	constexpr double      minEnergyShare = 0.1; // least energy of an unstable contact [-]
+	constexpr double      minEnergyShare = 0.1; // of unstable contacts, over the largest energy [-]
 	constexpr double      edgeTolerance = 1e-13; // distance to the cone that counts as zero [-]
 
 	/// The change of a contact's piece: K += column rowᵀ, in (n, t).
@@ -46,7 +46,7 @@ namespace {
 				advance(edge.distance);
 				if (!edge.found) end_.complete = true;
 				else
-					continues = end_.pivots < maxPivots && cross(edge);
+					continues = end_.pivots < maxPivots && pivot(edge);
 			}
 			setPredictors();
 			return end_;
@@ -150,7 +150,7 @@ namespace {
 
 		/// Changes the piece of the contact at an edge and updates the direction. Returns false at
 		/// a fold.
-		bool cross(const Edge& edge)
+		bool pivot(const Edge& edge)
 		{
 			const RankOne        change = changeOf(edge);
 			const ScaledContact& c      = problem_.contacts[change.contact];
@@ -168,7 +168,7 @@ namespace {
 			++end_.pivots;
 			if (updates_.size() == maxUpdates) return findDirection();
 			const Impulse du     = rate_[change.contact];
-			const double  amount = (change.row.n * du.n + change.row.t * du.t) / delta;
+			const double  amount = dot(change.row, du) / delta;
 			for (std::size_t i = 0; i < problem_.size(); ++i)
 				rate_[i] = rate_[i] - amount * relativeVelocity(problem_.contacts[i], response_);
 			updates_.push_back({ change, delta, response_ });
@@ -194,8 +194,7 @@ namespace {
 			problem_.matrix.solve(b);
 			for (const Update& update : updates_) {
 				const Impulse u = relativeVelocity(problem_.contacts[update.change.contact], b);
-				const double  amount = (update.change.row.n * u.n + update.change.row.t * u.t)
-				        / update.delta;
+				const double  amount = dot(update.change.row, u) / update.delta;
 				for (std::size_t i = 0; i < b.size(); ++i)
 					for (int j = 0; j < 4; ++j)
 						b[i].entry[j] -= amount * update.response[i].entry[j];

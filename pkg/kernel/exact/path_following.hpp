@@ -23,7 +23,7 @@ struct PathEnd {
 	bool complete = false; // the path has reached t = 1; otherwise a fold, or `maxPivots`
 	int  pivots   = 0;
 
-	/// Contacts that move in the state that becomes unstable at a fold; empty without a fold.
+	/// These contacts dominate the motion without resistance at the fold; empty without a fold.
 	std::vector<std::size_t> unstable;
 };
 

@@ -69,14 +69,14 @@ static void addProduct(Block& block, const BlockVector& x, const BlockVector& y)
 			block.entry[j][i] += x.entry[i] * y.entry[j];
 }
 
-/// k (n + sµ t): the impulse per unit of normal velocity of a sliding contact.
-static BlockVector slidingRow(
-        const BlockVector& n, const BlockVector& t, double sideFriction, double k)
+/// k (a + factor b). With a = n, b = t and the factor sµ: the impulse of a sliding contact per unit
+/// of normal velocity.
+static BlockVector scaledSum(const BlockVector& a, const BlockVector& b, double factor, double k)
 {
-	BlockVector row;
+	BlockVector sum;
 	for (int i = 0; i < 3; ++i)
-		row.entry[i] = k * (n.entry[i] + sideFriction * t.entry[i]);
-	return row;
+		sum.entry[i] = k * (a.entry[i] + factor * b.entry[i]);
+	return sum;
 }
 
 ProximalProblem::ProximalProblem(const ContactProblem& problem)
@@ -116,10 +116,10 @@ bool ProximalProblem::factor()
 			addProduct(matrix.pairBlock(c.pair, !c.flipped), x2, y1);
 		};
 		const double k = stiffness[i], side = pieces[i].side * c.friction; // 0 if it sticks
-		add(slidingRow(c.normal1, c.tangent1, side, k), slidingRow(c.normal2, c.tangent2, side, k),
+		add(scaledSum(c.normal1, c.tangent1, side, k), scaledSum(c.normal2, c.tangent2, side, k),
 		        c.normal1, c.normal2);
 		if (pieces[i].kind == Piece::stick)
-			add(slidingRow(c.tangent1, c.normal1, 0, k), slidingRow(c.tangent2, c.normal2, 0, k),
+			add(scaledSum(c.tangent1, c.normal1, 0, k), scaledSum(c.tangent2, c.normal2, 0, k),
 			        c.tangent1, c.tangent2);
 	}
 	return matrix.factor();

@@ -78,7 +78,7 @@ public:
 	/// Factors I + Ĵᵀ K Ĵ for the present pieces. Returns false if it is singular.
 	bool factor();
 
-	/// Writes the impulses that the law gives for the predictors to the problem.
+	/// Applies the law to the predictors and stores the impulses.
 	void store(ContactProblem&) const;
 
 	std::size_t size() const { return contacts.size(); }

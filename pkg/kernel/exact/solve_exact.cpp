@@ -32,7 +32,7 @@ namespace {
 
 	/// The best impulses so far.
 	struct Best {
-		double               residual, kinematicError;
+		Errors               errors;
 		std::vector<Impulse> impulse;
 
 		/// Largest ratio of a measure to its criterion: ≤ 1 if both are met. A criterion of 0
@@ -40,8 +40,8 @@ namespace {
 		double distance(const Settings& s) const
 		{
 			constexpr double least = std::numeric_limits<double>::min();
-			return std::max(residual / std::max(s.tolerance, least),
-			        kinematicError / std::max(s.kinematicTolerance, least));
+			return std::max(errors.residual / std::max(s.tolerance, least),
+			        errors.kinematicError / std::max(s.kinematicTolerance, least));
 		}
 
 		void offer(const Best& other, const Settings& settings)
@@ -111,7 +111,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	Report report;
 	if (swept) {
 		report                = *swept;
-		report.kinematicError = kinematicError(problem, settings.velocityFloor);
+		report.kinematicError = errorsOf(problem, settings.velocityFloor).kinematicError;
 		report.iterations = 0, report.work = 0;
 	} else {
 		report           = begin(problem, settings, workspace);
@@ -122,7 +122,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	}
 	ProximalProblem                proximal(problem);
 	std::vector<ProximalParameter> rho(proximal.size(), ProximalParameter(parameterLimits));
-	Best                           best { report.residual, report.kinematicError, problem.impulse };
+	Best       best { { report.residual, report.kinematicError }, problem.impulse };
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {
 		remember();
@@ -130,9 +130,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 		report.iterations += settings.exactCost * (1 + end.pivots);
 		report.yielded = hasNoSolution();
 		if (report.yielded) return report;
-		best.offer({ residual(problem), kinematicError(problem, settings.velocityFloor),
-		                   problem.impulse },
-		        settings);
+		best.offer({ errorsOf(problem, settings.velocityFloor), problem.impulse }, settings);
 		if (!end.complete && left() > 0) {
 			const int most    = std::min(repairSweeps + pivotSweeps * end.pivots, left());
 			Settings  again   = settings;
@@ -145,12 +143,13 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
-	report.residual       = residual(problem);
-	report.kinematicError = kinematicError(problem, settings.velocityFloor);
+	const Errors errors   = errorsOf(problem, settings.velocityFloor);
+	report.residual       = errors.residual;
+	report.kinematicError = errors.kinematicError;
 	report.dissipated     = dissipatedEnergy(problem);
 	report.impulseGrowth  = std::numeric_limits<double>::infinity(); // unknown after exact steps
-	report.converged      = report.residual <= settings.tolerance
-	        && report.kinematicError <= settings.kinematicTolerance;
+	report.converged      = errors.residual <= settings.tolerance
+	        && errors.kinematicError <= settings.kinematicTolerance;
 	return report;
 }
 

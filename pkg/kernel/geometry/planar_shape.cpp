@@ -21,9 +21,7 @@ static Manifold segmentContact(const PlanarShape& segment, const Pose& body,
 {
 	Manifold result = shadowOverlap(stadiumOf(segment), segmentPose(segment, body),
 	        stadiumOf(grain), at, maxGap);
-	if (result.count == 2
-	    && dot(result.points[1].position - result.points[0].position, at.axis) < 0)
-		std::swap(result.points[0], result.points[1]);
+	result.sortAlong(at.axis);
 	result.type = ContactType::wall;
 	return result;
 }

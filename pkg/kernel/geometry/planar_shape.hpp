@@ -48,28 +48,35 @@ struct PlanarShape {
 	double contactRadius() const { return grain() ? radius() : 0; }
 };
 
-/// Half widths of the axis-aligned bounding box [m]. A wall is infinite along its line.
-inline Vec2 halfExtent(const PlanarShape& s, Vec2 axis)
-{
-	constexpr double infinite = std::numeric_limits<double>::infinity();
-	if (s.kind == PlanarShape::wall)
-		return s.axis == 0 ? Vec2 { 0, infinite } : Vec2 { infinite, 0 };
-	if (s.grain()) return halfExtent(Stadium { s.halfLength, s.halfWidth }, axis);
-	return { std::abs(axis.x) * s.halfLength + std::abs(axis.y) * s.halfWidth,
-		     std::abs(axis.y) * s.halfLength + std::abs(axis.x) * s.halfWidth };
-}
-
 inline Pose segmentPose(const PlanarShape& segment, const Pose& body)
 {
 	const auto rotated = [&](Vec2 v) { return v.x * body.axis + v.y * perp(body.axis); };
 	return { body.center + rotated(segment.offset), rotated(segment.direction) };
 }
 
+/// Centre and half widths of an axis-aligned bounding box [m].
+struct BoundingBox {
+	Vec2 center, half;
+};
+
+/// The bounding box of a shape. A wall is infinite along its line.
+inline BoundingBox boundsOf(const PlanarShape& s, const Pose& body)
+{
+	constexpr double infinite = std::numeric_limits<double>::infinity();
+	if (s.kind == PlanarShape::wall)
+		return { body.center, s.axis == 0 ? Vec2 { 0, infinite } : Vec2 { infinite, 0 } };
+	if (s.grain())
+		return { body.center, halfExtent(Stadium { s.halfLength, s.halfWidth }, body.axis) };
+	const auto [center, axis] = s.kind == PlanarShape::segment ? segmentPose(s, body) : body;
+	return { center, { std::abs(axis.x) * s.halfLength + std::abs(axis.y) * s.halfWidth,
+		               std::abs(axis.y) * s.halfLength + std::abs(axis.x) * s.halfWidth } };
+}
+
 /// R₁ + R₂ of a pair [m], the scale of overlaps. An obstacle has the radius of the grain.
 inline double contactSize(const PlanarShape& one, const PlanarShape& two)
 {
 	const double r1 = one.contactRadius(), r2 = two.contactRadius();
-	return (r1 > 0 ? r1 : r2) + (r2 > 0 ? r2 : r1);
+	return (r1 > 0 ? r1 : r2) + r2;
 }
 
 /// Returns true if shapes of these kinds may be body 1 and body 2 of a pair.

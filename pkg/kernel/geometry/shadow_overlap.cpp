@@ -2,7 +2,6 @@
 
 #include <array>
 #include <limits>
-#include <utility>
 
 namespace rcr {
 
@@ -104,9 +103,7 @@ namespace {
 			result.count     = 2;
 			result.type      = ContactType::sideSide;
 		}
-		if (result.count == 2
-		    && dot(result.points[1].position - result.points[0].position, axis) < 0)
-			std::swap(result.points[0], result.points[1]);
+		result.sortAlong(axis);
 		return result;
 	}
 

@@ -18,6 +18,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 
 #include "geometry/stadium.hpp"
 
@@ -41,6 +42,13 @@ struct Manifold {
 	{
 		const double second = count > 1 ? -points[1].gap : 0;
 		return std::max({ 0.0, count > 0 ? -points[0].gap : 0, second });
+	}
+
+	/// Sorts two points by their position along an axis.
+	void sortAlong(Vec2 axis)
+	{
+		if (count == 2 && dot(points[1].position - points[0].position, axis) < 0)
+			std::swap(points[0], points[1]);
 	}
 };
 

@@ -24,11 +24,6 @@ struct Pose {
 
 inline Pose shifted(const Pose& at, Vec2 by) { return { at.center + by, at.axis }; }
 
-inline Pose pose(Vec2 center, double angle)
-{
-	return { center, { std::cos(angle), std::sin(angle) } };
-}
-
 /// Area of the rectangle 2a × 2R' and two half discs [m²].
 inline double area(const Stadium& s)
 {

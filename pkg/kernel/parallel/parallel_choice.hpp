@@ -3,9 +3,9 @@
 // Helpers do not pay off if their cores are busy, or if moving data between caches takes longer
 // than the work saved. The size of a loop does not predict this. Both modes are therefore tried for
 // some rounds. The first rounds of a mode fill the caches and do not count. A short trial measures
-// the fastest time of a mode, but not its delays. So all rounds of the chosen mode count: its
-// slowdown is the ratio of their mean to their fastest time. In later trials, the slowdown
-// multiplies the fastest time of this mode. Results do not depend on the mode.
+// the fastest time of a mode, but not its delays. The chosen mode's slowdown is its mean time over
+// its fastest, of all its rounds. In later trials, the slowdown multiplies the fastest time of this
+// mode. Results do not depend on the mode.
 #pragma once
 
 #include <algorithm>

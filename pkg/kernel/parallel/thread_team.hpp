@@ -19,7 +19,8 @@ namespace rcr {
 class ThreadTeam {
 public:
 	/// Calls lead() on this thread while up to threads − 1 helpers are available for its loops.
-	/// Within another run, it requests helpers again that sleep or were released after a stall.
+	/// Within another run, `threads` is ignored. Helpers that sleep or were released after a stall
+	/// are then requested again.
 	template <class Lead> void run(int threads, Lead lead)
 	{
 		if (running_) {

@@ -50,18 +50,24 @@ void ContactProblem::setStretchRate(Vec2 now)
 	stretchRate = now;
 }
 
-void updateVelocity(ContactProblem& problem)
+Vec2 addImpulses(const ContactProblem& problem, const std::vector<Impulse>& impulse,
+        std::vector<Twist>& velocity)
 {
-	problem.velocity = problem.freeVelocity;
 	Vec2 stretching; // M_c δg
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
-		applyImpulse(c, problem.impulse[k], problem.inverseMass[c.body1],
-		        problem.inverseMass[c.body2], problem.velocity[c.body1], problem.velocity[c.body2]);
-		stretching = stretching + componentwise(c.shift, toCartesian(c.normal, problem.impulse[k]));
+		applyImpulse(c, impulse[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
+		        velocity[c.body1], velocity[c.body2]);
+		stretching = stretching + componentwise(c.shift, toCartesian(c.normal, impulse[k]));
 	}
-	if (problem.stretches())
-		problem.setStretchRate(componentwise(problem.inverseStretchMass, stretching));
+	return componentwise(problem.inverseStretchMass, stretching);
+}
+
+void updateVelocity(ContactProblem& problem)
+{
+	problem.velocity       = problem.freeVelocity;
+	const Vec2 stretchRate = addImpulses(problem, problem.impulse, problem.velocity);
+	if (problem.stretches()) problem.setStretchRate(stretchRate);
 }
 
 std::vector<double> biases(const ContactProblem& problem)

@@ -68,7 +68,8 @@ struct Impulse {
 inline Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
 inline Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
 inline Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
-inline double  square(Impulse a) { return a.n * a.n + a.t * a.t; } // |a|²
+inline double  dot(Impulse a, Impulse b) { return a.n * b.n + a.t * b.t; }
+inline double  square(Impulse a) { return dot(a, a); }
 
 struct ContactPoint {
 	std::int32_t body1 = 0, body2 = 0;
@@ -101,7 +102,7 @@ struct ContactProblem {
 	std::vector<double>       recoveryBias;
 
 	Vec2 inverseStretchMass;
-	Vec2 stretchRate; // included in the drifts of the points
+	Vec2 stretchRate; // its change by contacts; the drifts of the points include it
 
 	bool stretches() const { return inverseStretchMass.x > 0 || inverseStretchMass.y > 0; }
 	/// Sets the stretch rate and updates the drifts of all points.
@@ -166,6 +167,10 @@ inline void applyImpulse(const ContactPoint& c, const Impulse& p, const InverseM
 	v2.y += m2.y * f.y;
 	v2.rotation += m2.rotation * cross(c.arm2, f);
 }
+
+/// Adds M⁻¹ Jᵀ p of all points to the velocities. Returns δg.
+Vec2 addImpulses(
+        const ContactProblem&, const std::vector<Impulse>&, std::vector<Twist>& velocity);
 
 /// Writes v_free + M⁻¹ Jᵀ p to `velocity`, and sets the stretch rate if the cell can stretch.
 void updateVelocity(ContactProblem&);

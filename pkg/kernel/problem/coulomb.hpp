@@ -70,17 +70,16 @@ inline Impulse solveCoulomb(const Delassus& w, double gn, double gt, double fric
 inline double passiveRestitutionFactor(
         const Delassus& w, Impulse p, Impulse before, Impulse after, double bias, double friction)
 {
-	const auto work
-	        = [&](Impulse q, Impulse u) { return q.n * (u.n + before.n) + q.t * (u.t + before.t); };
 	const Impulse rest { after.n - w.nn * p.n - w.nt * p.t,
 		                 after.t - w.nt * p.n - w.tt * p.t }; // u without p
-	if (work(p, after) <= 1e-3 * std::hypot(p.n, p.t) * std::hypot(before.n, before.t)) return 1;
+	if (dot(p, after + before) <= 1e-3 * std::hypot(p.n, p.t) * std::hypot(before.n, before.t))
+		return 1;
 	double passive = 0, active = 1;
 	for (int halving = 0; halving < 30; ++halving) {
 		const double  factor = 0.5 * (passive + active);
 		const Impulse q      = solveCoulomb(w, rest.n + factor * bias, rest.t, friction);
 		const Impulse u { rest.n + w.nn * q.n + w.nt * q.t, rest.t + w.nt * q.n + w.tt * q.t };
-		(work(q, u) > 0 ? active : passive) = factor;
+		(dot(q, u + before) > 0 ? active : passive) = factor;
 	}
 	return passive;
 }

@@ -13,8 +13,6 @@ static double mass(const InverseMass& m)
 	return inverse > 0 ? 1 / inverse : 0;
 }
 
-static double work(const Impulse& p, const Impulse& u) { return p.n * u.n + p.t * u.t; }
-
 /// V_s of a direction.
 static double velocityScale(const ContactProblem& problem, const std::vector<Impulse>& d)
 {
@@ -26,7 +24,7 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Imp
 		if (d[k].n <= noiseShare * largest) continue;
 		const ContactPoint& c = problem.points[k];
 		const Impulse       u = freeRelativeVelocity(problem, c);
-		speed2                = std::max(speed2, work(u, u));
+		speed2                = std::max(speed2, square(u));
 		opening += std::max(0.0, -c.bias);
 		acts[c.body1] = acts[c.body2] = true;
 	}
@@ -46,24 +44,18 @@ static double velocityChangeBound(
         const ContactProblem& problem, const std::vector<Impulse>& direction)
 {
 	std::vector<Impulse> d(direction.size());
-	std::vector<Twist>   change(problem.inverseMass.size()); // M⁻¹Jᵀd
-	Vec2                 stretchImpulse;
+	for (std::size_t k = 0; k < d.size(); ++k)
+		d[k] = projectCone(direction[k], problem.points[k].friction);
+	std::vector<Twist> change(problem.inverseMass.size()); // M⁻¹Jᵀd
+	const Vec2         stretchRate = addImpulses(problem, d, change);
+	double             closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
-		d[k]                  = projectCone(direction[k], c.friction);
-		applyImpulse(c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
-		        change[c.body1], change[c.body2]);
-		stretchImpulse = stretchImpulse + componentwise(c.shift, toCartesian(c.normal, d[k]));
-	}
-	const Vec2 stretchRate = componentwise(problem.inverseStretchMass, stretchImpulse);
-	double     closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
-	for (std::size_t k = 0; k < d.size(); ++k) {
-		const ContactPoint& c = problem.points[k];
-		closing -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
+		closing -= dot(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
 		// impulses move the image of body 2 through the stretch of the cell only
 		ContactPoint response = c;
 		response.drift        = componentwise(stretchRate, c.shift);
-		norm2 += work(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));
+		norm2 += dot(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));
 	}
 	if (!(closing > 0)) return 0;
 	return norm2 > 0 ? closing / (std::sqrt(norm2) * velocityScale(problem, d))
@@ -76,7 +68,7 @@ double dissipatedEnergy(const ContactProblem& problem)
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		const Impulse&      p = problem.impulse[k];
-		energy -= work(p, relativeVelocity(problem, c)) + p.n * c.bias;
+		energy -= dot(p, relativeVelocity(problem, c)) + p.n * c.bias;
 	}
 	return energy;
 }
@@ -88,7 +80,7 @@ bool hasPositiveCost(const ContactProblem& problem)
 		const ContactPoint& c = problem.points[k];
 		const Impulse&      p = problem.impulse[k];
 		const Impulse       u = relativeVelocity(problem, c);
-		sum += 0.5 * (work(p, u) + work(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
+		sum += 0.5 * (dot(p, u) + dot(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
 	}
 	return !(sum <= 0); // true also if products of large impulses overflow to NaN
 }
@@ -113,10 +105,11 @@ bool isDivergent(const ContactProblem& problem, const std::vector<Impulse>& befo
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const Impulse& p = problem.impulse[k];
 		d[k]             = p - before[k];
-		growth2 += work(d[k], d[k]);
-		size2 += work(p, p);
+		growth2 += square(d[k]);
+		size2 += square(p);
 	}
-	return growth2 > minGrowth * minGrowth * size2 && velocityChangeBound(problem, d) > maxChange;
+	return growth2 > divergentGrowth * divergentGrowth * size2
+	        && velocityChangeBound(problem, d) > maxChange;
 }
 
 } // namespace rcr

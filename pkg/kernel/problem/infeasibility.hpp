@@ -12,12 +12,12 @@
 // along such directions in a step without a solution.
 //
 // The scale of a velocity change is V_s = √(Σ m) (max |u_free| + Σ max(0, −b_n)) over the bodies
-// and points where d acts. The sum includes all biases, because overlaps push a row of bodies apart
-// at the sum of their speeds. Measurements cover 20 to 2000 grains at rest, in flow, and driven.
-// Solved steps need at most 1.0 V_s and dissipate at most 0.2 V_s². In feasible steps that miss the
-// tolerance, growing impulses imply at most 0.2 V_s. All three grow without bound in steps without
-// a solution. Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion); Farkas' lemma (its
-// dual).
+// and points where d acts. The biases of all these points add up, because overlaps push a row of
+// bodies apart at the sum of their speeds. Measurements cover 20 to 2000 grains at rest, in flow,
+// and driven. Solved steps need at most 1.0 V_s and dissipate at most 0.2 V_s². In feasible steps
+// that miss the tolerance, growing impulses imply at most 0.2 V_s. All three grow without bound in
+// steps without a solution. Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion); Farkas'
+// lemma (its dual).
 #pragma once
 
 #include "problem/contact_problem.hpp"
@@ -45,11 +45,11 @@ bool mayExceedEnergyBound(const ContactProblem&, double energy, double freeSpeed
 constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
 constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise
 
-constexpr int    probeSweeps = 100;  // sweeps over which the growth of impulses is measured
-constexpr double minGrowth   = 0.03; // least relative growth of diverging impulses
+constexpr int    probeSweeps     = 100;  // sweeps over which the growth of impulses is measured
+constexpr double divergentGrowth = 0.03; // least relative growth of diverging impulses
 
-/// Returns true if the impulses grew by at least minGrowth since `before`. The growth must also
-/// require a velocity change of more than 3 V_s.
+/// Returns true if the impulses grew by at least divergentGrowth since `before`. The growth must
+/// also require a velocity change of more than 3 V_s.
 bool isDivergent(const ContactProblem&, const std::vector<Impulse>& before);
 
 } // namespace rcr

@@ -1,7 +1,7 @@
 // Reductions of a problem: they leave out unknowns that a scene does not need.
 //
-// Every problem is examined; each reduction can be switched off. Reductions change the run time
-// only. Results agree to the bit where the arithmetic is the same, and to rounding elsewhere.
+// Every problem is examined; each reduction can be switched off. Islands converge separately; other
+// reductions change results by rounding only.
 #pragma once
 
 #include <string>

@@ -14,22 +14,27 @@ namespace rcr {
 /// tolerance.
 constexpr double maxFriction = 1e3;
 
-/// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
-///
-///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
-///
-/// It is 0 if and only if the laws hold exactly. The velocities u are recomputed from `impulse`.
-/// Points between two prescribed bodies (w_nn = 0) do not count.
-/// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
-double residual(const ContactProblem&);
+struct Errors {
+	/// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
+	///
+	///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
+	///
+	/// It is 0 if and only if the laws hold exactly.
+	/// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
+	double residual;
 
-/// Error as a velocity: RMS of w_nn |p − P_K(…)| over the points, divided by a scale [-].
-/// The scale is the RMS of |u|, at least velocityFloor times the RMS of |u_free|.
-/// It measures closing velocities, and slip where the law requires sticking.
-double kinematicError(const ContactProblem&, double velocityFloor);
+	/// Error as a velocity: RMS of w_nn |p − P_K(…)| over the points, divided by a scale [-].
+	/// The scale is the RMS of |u|, at least velocityFloor times the RMS of |u_free|.
+	/// It measures closing velocities, and slip where the law requires sticking.
+	double kinematicError;
+};
+
+/// Errors of the impulses. The velocities u are recomputed from them. Points between two prescribed
+/// bodies (w_nn = 0) do not count.
+Errors errorsOf(const ContactProblem&, double velocityFloor);
 
 /// √(error2 / scale2); NaN if the scale overflows, because the error may be as large.
-inline double relative(double error2, double scale2)
+inline double relativeRms(double error2, double scale2)
 {
 	if (error2 == 0) return 0;
 	return scale2 <= std::numeric_limits<double>::max() ? std::sqrt(error2 / scale2)
@@ -43,21 +48,21 @@ inline Measures measuresOf(Impulse p, Impulse u, double bias, double friction, d
 	const double error2   = square(lawError(p, { un, u.t }, friction, wnn));
 	const double stopping = (std::abs(u.n) + std::abs(bias)) / wnn;
 	return { error2, square(p), p.n, wnn * wnn * error2, square(u), stopping * stopping,
-		     -(p.n * un + p.t * u.t) };
+		     -dot(p, { un, u.t }) };
 }
 
 /// Kinematic error from sums of squares over the points: error, |u| and |u_free|.
 inline double kinematicErrorFromSums(
         double error2, double velocity2, double freeVelocity2, double velocityFloor)
 {
-	return relative(error2, std::max(velocity2, velocityFloor * velocityFloor * freeVelocity2));
+	return relativeRms(error2, std::max(velocity2, velocityFloor * velocityFloor * freeVelocity2));
 }
 
 /// Residual from sums of squares over the points: error, p, and the impulse that stops a point,
 /// (|u_n| + |b_n|)/w_nn. Without load ‖p‖ is rounding; 1e-8 of the stopping impulses bounds it.
 inline double residualFromSums(double error2, double impulse2, double stopping2)
 {
-	return relative(error2, std::max(impulse2, 1e-16 * stopping2));
+	return relativeRms(error2, std::max(impulse2, 1e-16 * stopping2));
 }
 
 } // namespace rcr

@@ -6,7 +6,7 @@
 
 namespace rcr {
 
-constexpr double finestForSweeps = 1e-6; // residual below which exact steps are faster [-]
+constexpr double exactBelow = 1e-6; // residual below which exact steps are faster [-]
 constexpr int    leastPatience = 300; // least sweeps without a new lowest residual to exact steps
 constexpr int    exactIterations = 10; // exact iterations that cost as much as this patience
 constexpr int    sweepsAfterYield = 50; // sweeps of a later pass of a step that has yielded
@@ -16,7 +16,7 @@ constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small p
 constexpr int    minIterationsToProbe = 20;
 constexpr int    sweepsFromZero = 100; // for impulses of positive cost; a few remove most of it
 // factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift
-constexpr double fineFloor   = 1e-3;
+constexpr double smallProblemFloorFactor = 1e-3;
 constexpr int    maxFineWork = 15000; // most exact iterations × points for this finer floor
 
 static bool frictionless(const ContactProblem& problem)
@@ -55,6 +55,20 @@ static bool closesBlockedContact(const ContactProblem& problem, double roundingV
 	        });
 }
 
+/// Runs probeSweeps sweeps on a copy of the problem that the workspace holds. Returns true if the
+/// impulses diverge.
+static bool probeDivergence(
+        const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+{
+	Settings sweeps      = settings;
+	sweeps.sameProblem   = true;
+	sweeps.tolerance     = 0;
+	sweeps.minIterations = sweeps.maxIterations = probeSweeps;
+	ContactProblem probe                        = problem;
+	solveNesterov(probe, sweeps, workspace);
+	return isDivergent(probe, problem.impulse);
+}
+
 /// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
 /// impulses so large that both relative errors are small.
 static bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings,
@@ -68,7 +82,7 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 		return true;
 	if (report.converged || settings.tolerance == 0) return false;
 	if (settings.yieldedBefore) return true;
-	if (report.impulseGrowth <= minGrowth) return false;
+	if (report.impulseGrowth <= divergentGrowth) return false;
 	return settings.maxIterations >= minIterationsToProbe
 	        && probeDivergence(problem, settings, workspace);
 }
@@ -78,8 +92,8 @@ static Report solveAuto(ContactProblem& problem, Settings settings, Workspace& w
 	const bool   small = settings.tolerance > 0 && int(problem.points.size()) <= smallProblem;
 	const double floor = settings.velocityFloor;
 	const int    most  = settings.maxIterations;
-	if (small) settings.velocityFloor *= fineFloor;
-	if (settings.tolerance > 0 && settings.tolerance < finestForSweeps && !frictionless(problem))
+	if (small) settings.velocityFloor *= smallProblemFloorFactor;
+	if (settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem))
 		return solveExact(problem, settings, workspace);
 	Settings sweeps    = settings;
 	sweeps.stallSweeps = patience(problem.points.size());
@@ -89,7 +103,7 @@ static Report solveAuto(ContactProblem& problem, Settings settings, Workspace& w
 	const auto left      = [&] { return most - report.iterations; };
 	const auto converged = [&] {
 		return report.meetsResidual(settings)
-		        && kinematicError(problem, floor) <= settings.kinematicTolerance;
+		        && errorsOf(problem, floor).kinematicError <= settings.kinematicTolerance;
 	};
 	const auto runExact = [&](int iterations, double velocityFloor, int cost) {
 		Settings steps      = settings;
@@ -103,21 +117,22 @@ static Report solveAuto(ContactProblem& problem, Settings settings, Workspace& w
 		report.yielded = mustYield(report, problem, settings, workspace);
 		if (report.yielded) return report; // exact steps would take long and find no solution
 	}
-	const int  cost        = small ? sweepsPerExact : 1;
-	const bool forcesKnown = small && report.meetsResidual(settings);
-	int        fine        = left();
-	if (forcesKnown) { // limits the work of exact steps, which improve the velocities only
-		fine = std::min(left(), maxFineWork / int(problem.points.size()));
-		if (left() > fine && !converged()) {
+	const int  cost           = small ? sweepsPerExact : 1;
+	const bool residualMet    = small && report.meetsResidual(settings);
+	int        fineIterations = left();
+	if (residualMet) { // limits the work of exact steps, which improve the velocities only
+		fineIterations = std::min(left(), maxFineWork / int(problem.points.size()));
+		if (left() > fineIterations && !converged()) {
 			sweeps.sameProblem   = true;
 			sweeps.velocityFloor = floor;
-			sweeps.maxIterations = left() - fine;
+			sweeps.maxIterations = left() - fineIterations;
 			report               = solveNesterov(problem, sweeps, workspace).after(report);
 		}
 	}
-	if (fine > 0) runExact(fine, settings.velocityFloor, forcesKnown ? 1 : cost);
+	if (fineIterations > 0)
+		runExact(fineIterations, settings.velocityFloor, residualMet ? 1 : cost);
 	if (small && !report.yielded && left() > 0 && !converged()) runExact(left(), floor, cost);
-	if (small) report.kinematicError = kinematicError(problem, floor);
+	if (small) report.kinematicError = errorsOf(problem, floor).kinematicError;
 	report.converged = report.converged || report.meetsTolerances(settings);
 	return report;
 }

@@ -1,6 +1,7 @@
 #include "step/adapt_biases.hpp"
 
 #include "correction/large_displacements.hpp"
+#include "parallel/thread_team.hpp"
 #include "step/restitution.hpp"
 
 namespace rcr {
@@ -37,7 +38,7 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 		if (allowRelease && step.contacts[k].count > 0 && step.contacts[k].restitution > 0)
 			changed |= releaseNearMiss(step, step.contacts[k]);
 	}
-	if (pushes) changed |= lowerRestitution(step);
+	if (pushes) changed |= lowerPairRestitution(step);
 	if (pushes && (nextIsLast || !changed))
 		changed |= lowerCollisionRestitution(step, nextIsLast, tolerance);
 	return changed;

@@ -5,18 +5,18 @@
 // solution. The biases of the first solve are then restored, unless a body is driven.
 #pragma once
 
-#include "parallel/thread_team.hpp"
 #include "step/step.hpp"
 
 namespace rcr {
 
-/// Returns true if rest satisfies the contact laws: no body is driven and no contact must open. The
-/// step then has a solution.
+/// Returns true if rest satisfies the contact laws: no contact point is driven and no contact must
+/// open. The step then has a solution.
 bool restIsSolution(const Step&, double driveSpeed);
 
 /// Adapts the biases. Returns true if one changed.
 ///   allowRelease        contacts may be released
-///   nextIsLast          only one solve follows: removes restitution that adds energy, adds no push
+///   nextIsLast          only one solve follows: keeps biases of displacements, removes restitution
+///                       that adds energy
 ///   tolerance           of the solver [-]
 ///   largeDisplacements  out: a contact has a large displacement
 bool adaptBiases(Step&, bool allowRelease, bool nextIsLast, double tolerance,

@@ -5,7 +5,7 @@ namespace rcr {
 namespace {
 
 	constexpr int    sliceCount = 64;
-	// largest fraction of the impulses through a slice that is removed
+	// largest change of the impulses through a slice, as a fraction
 	constexpr double mostShare  = 0.5;
 
 	struct Axis {

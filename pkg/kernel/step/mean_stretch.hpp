@@ -17,9 +17,9 @@ namespace rcr {
 /// v_start) / Σ m r² [1/s]. It is relative to the start velocities.
 Vec2 meanStretchRate(const Step&);
 
-/// Lowers the start impulses by the drag of the earlier flow. The drag through a section at r is
-/// Σ m r ė over the bodies farther out, with the stretch rate ė [1/s]. At most half of the impulses
-/// is removed.
+/// Subtracts the drag of the earlier flow from the start impulses. The drag through a section at r
+/// is Σ m r ė over the bodies farther out, with the stretch rate ė [1/s]. An impulse changes by at
+/// most half.
 void removeDragImpulses(Step&, Vec2 stretchRate);
 
 } // namespace rcr

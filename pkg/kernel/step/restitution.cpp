@@ -9,30 +9,6 @@ namespace {
 
 	constexpr double fullRestitution = 0.99; // share of the restitution that counts as full
 
-	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none.
-	class Collisions {
-	public:
-		explicit Collisions(const Step& step) : problem_(step.problem), sets_(step.bodies.size())
-		{
-			for (std::size_t k = 0; k < problem_.points.size(); ++k) {
-				const ContactPoint& c = problem_.points[k];
-				if (problem_.impulse[k].n > 0 && !problem_.prescribed(c.body1)
-				        && !problem_.prescribed(c.body2))
-					sets_.join(c.body1, c.body2);
-			}
-		}
-
-		/// Number of the collision of a point.
-		int of(const ContactPoint& c)
-		{
-			return sets_.find(problem_.prescribed(c.body1) ? c.body2 : c.body1);
-		}
-
-	private:
-		const ContactProblem& problem_;
-		DisjointSets          sets_;
-	};
-
 	/// Twice the energies of a collision: growth, loss without restitution, and absolute work of
 	/// all points.
 	struct Energy {
@@ -44,8 +20,8 @@ namespace {
 	{
 		const ContactPoint& c = step.problem.points[k];
 		const Impulse       p = step.problem.impulse[k];
-		const Impulse       u = step.initialVelocity(c), left = relativeVelocity(step.problem, c);
-		of.gain += p.n * (u.n + left.n) + p.t * (u.t + left.t);
+		const Impulse       u = step.initialVelocity(c), after = relativeVelocity(step.problem, c);
+		of.gain += dot(p, u + after);
 		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);
 		// b_n = e u_n⁻
 		if (c.bias < 0 && u.n < 0) of.plasticLoss -= p.n * u.n * u.n / (u.n + c.bias);
@@ -79,7 +55,7 @@ namespace {
 
 } // namespace
 
-bool lowerRestitution(Step& step)
+bool lowerPairRestitution(Step& step)
 {
 	bool                   changed = false;
 	const std::vector<int> points  = pointsByBodies(step);
@@ -115,9 +91,9 @@ bool limitRestitution(Step& step, bool plastic)
 		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = step.problem.points[k];
 			if (!(c.bias < 0)) continue;
-			const double leaves = relativeVelocity(step.problem, c).n;
-			if (leaves >= -fullRestitution * c.bias) continue;
-			c.bias  = leaves > 0 && !plastic ? -leaves : std::max(step.gap[k].now, 0.0) / step.dt;
+			const double after = relativeVelocity(step.problem, c).n;
+			if (after >= -fullRestitution * c.bias) continue;
+			c.bias  = after > 0 && !plastic ? -after : std::max(step.gap[k].now, 0.0) / step.dt;
 			lowered = true;
 		}
 	}
@@ -137,18 +113,26 @@ bool lowerCollisionRestitution(Step& step, bool plastic, double tolerance)
 	// energy gain over the work of all impulses that the tolerance of the solver may cause
 	const double energyTolerance = tolerance > 0 ? std::clamp(10 * tolerance, 1e-12, 1e-3) : 1e-3;
 	ContactProblem&     problem = step.problem;
-	Collisions          collisions(step);
-	std::vector<Energy> energy(step.bodies.size());
+	// bodies that impulses join; prescribed bodies join none
+	DisjointSets        sets(step.bodies.size());
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
-		if (problem.impulse[k].n > 0)
-			add(energy[collisions.of(problem.points[k])], step, k);
+		const ContactPoint& c = problem.points[k];
+		if (problem.impulse[k].n > 0 && !problem.prescribed(c.body1)
+		        && !problem.prescribed(c.body2))
+			sets.join(c.body1, c.body2);
 	}
+	const auto collisionOf = [&](const ContactPoint& c) {
+		return sets.find(problem.prescribed(c.body1) ? c.body2 : c.body1);
+	};
+	std::vector<Energy> energy(step.bodies.size());
+	for (std::size_t k = 0; k < problem.points.size(); ++k)
+		if (problem.impulse[k].n > 0) add(energy[collisionOf(problem.points[k])], step, k);
 	bool changed = false;
 	for (const StepContact& contact : step.contacts) {
 		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = problem.points[k];
 			if (!(c.bias < 0 && problem.impulse[k].n > 0)) continue;
-			const double factor = passiveFactor(energy[collisions.of(c)], energyTolerance);
+			const double factor = passiveFactor(energy[collisionOf(c)], energyTolerance);
 			if (factor == 1) continue;
 			c.bias *= plastic ? 0 : factor;
 			changed = true;

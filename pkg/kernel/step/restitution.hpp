@@ -23,7 +23,7 @@ namespace rcr {
 
 /// Lowers the restitution of two bodies if their contact points together add energy in the solved
 /// step. Returns true if a bias changed.
-bool lowerRestitution(Step&);
+bool lowerPairRestitution(Step&);
 
 /// In a step without a solution, limits restitution to the solved velocity of each point;
 /// `plastic`: removes it. Returns true if a bias changed.

@@ -39,7 +39,7 @@ ContactPoint Step::contactPoint(const StepContact& contact, const ManifoldPoint&
 	c.arm2     = at.position - (bodies[c.body2].center + contact.shift);
 	c.friction = contact.friction;
 	c.drift    = contact.drift;
-	c.shift    = cell.stretches() ? contact.shift : Vec2 {};
+	c.shift    = problem.stretches() ? contact.shift : Vec2 {};
 	c.bias     = overdamped || at.gap > 0 ? at.gap / dt : 0;
 	if (overdamped || !(contact.restitution > 0)) return c;
 	const double u = closingVelocity(*this, c);
@@ -53,7 +53,7 @@ void Step::resizePoints(int points)
 	problem.impulse.resize(points);
 	gap.resize(points);
 	force.resize(points);
-	widenedReach.assign(widenedReach.size(), 0);
+	widenedReach.assign(bodies.size(), 0);
 	detected.clear();
 	widened.clear();
 	added.clear();
@@ -73,7 +73,7 @@ void Step::setPoints(const StepContact& c, const Manifold& manifold, const Impul
 
 void Step::updateGradient(Vec2 before)
 {
-	if (!cell.stretches()) return;
+	if (!problem.stretches()) return;
 	cell.gradient[0][0] += problem.stretchRate.x - before.x;
 	cell.gradient[1][1] += problem.stretchRate.y - before.y;
 	for (StepContact& c : contacts)
@@ -104,10 +104,9 @@ double Step::roundingVelocity(ThreadTeam& team) const
 	});
 }
 
-void Step::keepForces(ThreadTeam& team)
+void Step::computeForces(ThreadTeam& team)
 {
 	const double inverseDt = 1 / dt;
-	force.resize(problem.impulse.size());
 	team.forEach(force.size(), [&](std::size_t k) { force[k] = inverseDt * problem.impulse[k]; });
 }
 

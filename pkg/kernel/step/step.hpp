@@ -58,8 +58,8 @@ struct StepBody {
 	Twist        velocity;          // at the beginning of the step
 	double       radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
 	double       alertDistance = 0; // distance within which its contacts were detected [m]
-	// longest path whose contacts are detected [m]; infinite for bodies whose motion is prescribed,
-	// except clump members
+	// detection covers paths up to this length [m]; infinite for prescribed motion, except of clump
+	// members
 	double       coveredPath   = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
 	bool         free          = false; // at least one degree of freedom is not blocked
@@ -83,7 +83,7 @@ struct StepContact {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t first = 0, count = 0;
 	// its number in the list of the simulation, or in Pairs::all for steps in arrays; −1: new
-	std::int32_t listIndex   = -1;
+	std::int32_t sourceIndex = -1;
 	double       friction = 0, restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
 	Vec2         shift, drift; // of the image of body 2 [m], and its relative velocity [m/s]
@@ -118,17 +118,16 @@ inline Vec2 product(const double (&m)[2][2], Vec2 v)
 }
 
 /// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s].
-/// All numbers are zero in an open scene. Stress and contacts stretch the cell along an axis with
-/// an inverse mass. Before the solve, the gradient has no contribution of contacts.
+/// All numbers are zero in an open scene. Before the solve, the gradient has no contribution of
+/// contacts.
 struct PeriodicCell {
 	bool   periodic = false;
 	double h[2][2] {}, inverse[2][2] {}, gradient[2][2] {};
-	Vec2   inverseMass;    // of stretching [1/(kg m²)]
 	double imageSpeed = 0; // largestDrift when contacts were detected [m/s]
 
-	bool stretches() const { return inverseMass.x > 0 || inverseMass.y > 0; }
-	/// Returns true if a prescribed component of its motion is not zero.
-	bool driven() const
+	/// Returns true if a prescribed component of its motion is not zero. `inverseMass`: of
+	/// stretching along each axis; 0: prescribed.
+	bool driven(Vec2 inverseMass) const
 	{
 		return gradient[0][1] != 0 || gradient[1][0] != 0
 		        || (gradient[0][0] != 0 && inverseMass.x == 0)
@@ -218,7 +217,7 @@ struct Step {
 	void               indexContacts();                  // computes firstContact
 	const StepContact* find(int body1, int body2) const; // null: no contact
 	double roundingVelocity(ThreadTeam&) const; // rounding error of the velocities [m/s]
-	void   keepForces(ThreadTeam&);             // computes them from the impulses
+	void   computeForces(ThreadTeam&);          // from the impulses
 
 	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before
 	/// it [1/s].

@@ -49,11 +49,11 @@ static int longestChain(const ContactProblem& problem)
 	return std::max(length, 0);
 }
 
-YieldBounds yieldBoundsOf(
-        const ContactProblem& problem, const std::vector<Twist>& before, ThreadTeam& team)
+YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 {
-	YieldBounds bounds;
-	int         chain = 0;
+	const ContactProblem& problem = step.problem;
+	YieldBounds           bounds;
+	int                   chain = 0;
 	team.parallelFor(0, 2, [&](int part) {
 		if (part == 0) chain = longestChain(problem);
 		else
@@ -62,11 +62,11 @@ YieldBounds yieldBoundsOf(
 	if (bounds.driveSpeed == 0 || problem.stretches()) return bounds;
 	double total = 0, momentum = 0, largestMomentum = 0, load = 0;
 	int    bodies = 0;
-	for (std::size_t id = 0; id < before.size(); ++id) {
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const InverseMass& inverse = problem.inverseMass[id];
 		const double       largest = std::max(inverse.x, inverse.y);
 		if (largest == 0) continue;
-		const Twist&     v    = problem.freeVelocity[id];
+		const Twist &    v = problem.freeVelocity[id], &before = step.bodies[id].velocity;
 		const auto       free = [&](Vec2 u) {
             return norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 });
 		};
@@ -74,7 +74,7 @@ YieldBounds yieldBoundsOf(
 		total += 1 / largest;
 		const double own = (bounds.driveSpeed + free({ v.x, v.y })) / largest;
 		momentum += own, largestMomentum = std::max(largestMomentum, own);
-		load += free({ v.x - before[id].x, v.y - before[id].y }) / largest;
+		load += free({ v.x - before.x, v.y - before.y }) / largest;
 	}
 	if (bodies == 0) return bounds;
 	const double rows = bodies / std::max(std::sqrt(bodies), double(chain));
@@ -84,15 +84,6 @@ YieldBounds yieldBoundsOf(
 		mostMomenta * std::max(momentum / rows, largestMomentum) + mostLoads * load / rows
 	};
 	return bounds;
-}
-
-YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
-{
-	std::vector<Twist> before;
-	before.reserve(step.bodies.size());
-	for (const StepBody& body : step.bodies)
-		before.push_back(body.velocity);
-	return yieldBoundsOf(step.problem, before, team);
 }
 
 } // namespace rcr

@@ -23,7 +23,7 @@
 //
 // | symbol | field         | unit | meaning                                                  |
 // |--------|---------------|------|----------------------------------------------------------|
-// | v⁻     | before        | m/s  | velocities at the beginning of the step (argument)       |
+// | v⁻     | velocity      | m/s  | velocity at the beginning of the step (StepBody)         |
 // | V      | driveSpeed    | m/s  | fastest driven motion at a contact                       |
 // | ε      | compliance    | –    | yielding velocity of a contact over its own response     |
 // | w₀     | leastResponse | 1/kg | least response w_nn of a yielding contact                |
@@ -39,12 +39,10 @@
 namespace rcr {
 
 struct YieldBounds {
-	double   driveSpeed = 0; // 0: no body is driven
+	double   driveSpeed = 0; // 0: no contact point is driven
 	Yielding yielding { 0.01 }; // default ε: for steps without a solution and without driven bodies
 };
 
-/// Bounds of a problem whose bodies had the velocities `before`.
-YieldBounds yieldBoundsOf(const ContactProblem&, const std::vector<Twist>& before, ThreadTeam&);
 YieldBounds yieldBoundsOf(const Step&, ThreadTeam&);
 
 } // namespace rcr

@@ -45,7 +45,7 @@ void PackedIsland::beginMixedPrecision()
 	});
 	forEachChunk([&](const Chunk& chunk, int number) {
 		bool fits  = true;
-		int  point = chunk.firstPoint;
+		int  point = chunk.firstPointBlock;
 		forEachPointBlock(chunk, [&](int first) {
 			if (state_.singleFilled)
 				copyImpulses(view_.points + first, singleView_.points + first, chunk.model);

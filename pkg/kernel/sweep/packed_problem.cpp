@@ -61,7 +61,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	team.forEach(problem.inverseMass.size(),
 	        [&](int i) { loadBody(problem, i, layout_.record(i), layout_.hasHalfRecord(i)); });
 	team.forEach(pairs.size(), [&](int k) {
-		if (pairs[k].slot != PackedPair::noSlot) fill(problem, pairs[k]);
+		if (pairs[k].slot != none) fill(problem, pairs[k]);
 	});
 	freeBody_           = body_;
 	inverseStretchMass_ = problem.inverseStretchMass;
@@ -187,13 +187,13 @@ void PackedProblem::addToOverflow(
 
 template <class Visit> void PackedProblem::forEachPoint(const PackedPair& pair, Visit visit)
 {
-	if (pair.slot == PackedPair::noSlot) return;
+	if (pair.slot == none) return;
 	for (int i = 0; i < pair.points; ++i)
 		visit(pair.firstPoint + i, &point_[pair.column + i * columnsOf(pair.model)],
 		        pair.slot % blockWidth);
 }
 
-void PackedProblem::setBiases(const ContactProblem& problem, const std::vector<double>& bias)
+void PackedProblem::reload(const ContactProblem& problem, const std::vector<double>& bias)
 {
 	const std::vector<PackedPair>& pairs = layout_.pairs();
 	std::atomic<bool>              changed { false };

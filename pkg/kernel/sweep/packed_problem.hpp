@@ -34,12 +34,12 @@ template <class T> struct LaneAllocator {
 
 class PackedProblem {
 public:
-	ThreadTeam team; // of the loops below
+	ThreadTeam team; // for all loops of a step
 
 	/// Loads a problem and computes v = v_free + M⁻¹Jᵀp. `lanes` as in packedKernels.
 	void load(const ContactProblem&, int lanes, const Reductions&);
-	/// Sets new biases [m/s] of the loaded problem, and loads its present impulses.
-	void setBiases(const ContactProblem&, const std::vector<double>& bias);
+	/// Loads other biases [m/s] and the present impulses of the loaded problem.
+	void reload(const ContactProblem&, const std::vector<double>& bias);
 	/// Writes the impulses and the velocities recomputed from them.
 	void store(ContactProblem&);
 	/// Writes the velocities recomputed from the impulses.

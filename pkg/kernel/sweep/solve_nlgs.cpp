@@ -4,8 +4,6 @@
 
 namespace rcr {
 
-constexpr double relaxation = 1.3; // saves a third of the sweeps in dense packings; 1.6 cycles [-]
-
 Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
 	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {

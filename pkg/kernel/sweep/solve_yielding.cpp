@@ -16,7 +16,6 @@
 // about 1/√ε sweeps. Overlaps are corrected no faster than the driven motion. So the force of a
 // contact grows with its overlap, as with springs. Source: Acary, Cadoux, Lemaréchal and Malick
 // 2011 (existence); Castro et al. 2022 (near-rigid regime of a convex relative).
-#include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/sweep_solver.hpp"
 
@@ -43,17 +42,6 @@ static void sweepToRest(
 		        && change2 <= tolerance * tolerance * island.measure().impulse2)
 			break;
 	}
-}
-
-bool probeDivergence(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
-{
-	Settings sweeps      = settings;
-	sweeps.sameProblem   = true;
-	sweeps.tolerance     = 0;
-	sweeps.minIterations = sweeps.maxIterations = probeSweeps;
-	ContactProblem probe                        = problem;
-	solveNesterov(probe, sweeps, workspace);
-	return isDivergent(probe, problem.impulse);
 }
 
 Report solveYielding(ContactProblem& problem, const Settings& settings, const Report& rigid,

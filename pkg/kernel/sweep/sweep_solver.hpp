@@ -37,14 +37,15 @@ private:
 struct IslandEnd {
 	int    sweeps;
 	double meanForceChange; // of the last evaluation [-]
-	double change2; // ‖Δp‖² over the last `probeSweeps` sweeps; infinite before maxIterations
+	/// ‖Δp‖² over the last `probeSweeps` sweeps. Infinite unless the island used all iterations.
+	double change2;
 };
 
 /// The report of the stored solution. It has converged if each island meets the criteria.
 Report reportOf(PackedProblem&, const Settings&, const std::vector<IslandEnd>&);
 
-/// Loads the problem, calls iterate(island, stop) for each island in parallel, and stores the
-/// solution.
+/// Loads the problem, calls iterate(island, stop) for each island, and stores the solution. Small
+/// islands are solved in parallel; shared ones follow one by one, each on all threads.
 template <class Iterate>
 Report solveBySweeps(
         ContactProblem& problem, const Settings& settings, Workspace& workspace, Iterate iterate)
@@ -52,7 +53,7 @@ Report solveBySweeps(
 	PackedProblem& packed = workspace.packed();
 	Report         report;
 	packed.team.run(settings.threads, [&] {
-		if (settings.sameProblem) packed.setBiases(problem, biases(problem));
+		if (settings.sameProblem) packed.reload(problem, biases(problem));
 		else
 			packed.load(problem, settings.lanes, settings.reductions);
 		std::vector<IslandEnd> ends(packed.islands());

@@ -3,8 +3,8 @@
 // A missed step is one that did not converge, at a tolerance > 0. Overlaps of beds at rest and in
 // flow stay below 5e-3 (R₁ + R₂), and the position correction removes them. Missed steps are
 // therefore counted silently up to that depth. A warning is due when the deepest overlap exceeds it
-// and has doubled since the last warning. A warning is also due when the number of steps without a
-// solution has become ten times as large.
+// and has doubled since the last warning. A warning is also due when the number of yielded steps
+// has become ten times as large.
 //
 // Overlaps may grow although all steps converge, if a script moves bodies or adds forces after the
 // solve. The same rule applies then. The overlap of the first step needs no warning, since the
@@ -25,12 +25,12 @@ public:
 	long   yielded       = 0; // steps in which contacts yielded
 	// deepest overlap over R₁ + R₂, without overlaps that overdamped steps remove
 	double deepest       = 0;
-	long   warnedYielded = 0; // steps without a solution at the last warning
+	long   warnedYielded = 0; // yielded steps at the last warning
 	double warnedDepth   = 0; // deepest overlap at the last warning
 
 	/// Counts a step. Returns true if a warning is due. `overlap`: its deepest overlap over R₁ +
 	/// R₂. `removesOverlaps`: the step is overdamped and removes the overlaps of its beginning.
-	bool count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps = false);
+	bool count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps);
 
 	/// The warning: finding, effect on results, remedy.
 	std::string message() const;

@@ -1,5 +1,5 @@
 // N numbers side by side, doubles or floats: one kernel source for scalars, AVX2 and AVX-512.
-// All intrinsics of the project are here and in lane_records.hpp.
+// All SIMD intrinsics of the project are here and in lane_records.hpp.
 //
 // Real is double, or float if RCR_SINGLE is defined. Lane<1> is one Real. AVX2 registers are
 // Lane<4> of doubles and Lane<8> of floats; AVX-512 registers are Lane<8> and Lane<16>, if the

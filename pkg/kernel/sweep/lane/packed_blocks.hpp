@@ -14,10 +14,11 @@
 // | frictionless     | µ = 0                                 | p_n      | 4                 |
 // | frictionlessDisc | µ = 0, no lever on the whole island   | p_n      | 2                 |
 //
-// Cheaper models leave out terms that are zero, so all give the same bits.
+// Cheaper models omit terms that are zero or rounding errors.
 //
 // Columns and records are doubles, or floats about a reference in doubles (packed_island.hpp).
-// Records of floats hold v − v_ref; `bias` and `tangentialBias` hold u_ref. Impulses are whole.
+// Records of floats hold v − v_ref; `bias` holds u_ref,n + b_n, `tangentialBias` u_ref,t. Impulses
+// are whole.
 //
 // | symbol | column         | unit | meaning                                                 |
 // |--------|----------------|------|---------------------------------------------------------|
@@ -83,8 +84,6 @@ using Column = ColumnOf<double>;
 /// One contact point of each pair of a block, as consecutive columns. These are for all models.
 template <class Real> class PointColumnsOf {
 public:
-	static constexpr int count = 7;
-
 	explicit PointColumnsOf(ColumnOf<Real>* first) : first_(first) { }
 
 	Real* oldPn() const { return column(0); }
@@ -163,7 +162,7 @@ constexpr int columnsOf(Model model)
 struct Chunk {
 	std::int32_t firstBlock, blocks, firstColumn, pointsPerPair;
 	Model        model;
-	std::int32_t firstPoint; // index of its first point block among those of all chunks
+	std::int32_t firstPointBlock; // among those of all chunks
 };
 
 /// The arrays that the kernels work on.

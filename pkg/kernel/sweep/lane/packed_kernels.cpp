@@ -90,7 +90,7 @@ namespace {
 		forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
 			const Vector u = wholeVelocity(c, lane, v1, v2),
 			             p { L::load(c.pn() + lane), tangential(c, lane) };
-			const int number   = chunk.firstPoint + int(c.first() - first) / c.count;
+			const int number   = chunk.firstPointBlock + int(c.first() - first) / c.count;
 			const L   un       = u.n + L::load(c.bias() + lane), mu = friction(c, lane);
 			const L   law      = contactBias(c, lane, bias, number);
 			const L   speed    = relativeToReference ? un - law : u.n;

@@ -85,12 +85,12 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions,
 /// Finds the kinds of the bodies. Returns false if one has changed.
 bool Layout::classifyBodies(const ContactProblem& problem)
 {
-	bool same = kind_.size() == problem.inverseMass.size();
-	kind_.resize(problem.inverseMass.size());
-	for (std::size_t i = 0; i < kind_.size(); ++i) {
+	bool same = bodyKind_.size() == problem.inverseMass.size();
+	bodyKind_.resize(problem.inverseMass.size());
+	for (std::size_t i = 0; i < bodyKind_.size(); ++i) {
 		const BodyKind kind = kindOf(problem.inverseMass[i]);
-		same                = same && kind == kind_[i];
-		kind_[i]            = kind;
+		same                = same && kind == bodyKind_[i];
+		bodyKind_[i]        = kind;
 	}
 	return same;
 }
@@ -112,20 +112,20 @@ Model Layout::requiredModel(const ContactProblem& problem, const ContactPoint& c
 bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 {
 	const std::size_t points = problem.points.size(), before = pairs_.size();
-	kinds_.resize(points);
+	pointKeys_.resize(points);
 	team.forEach(points, [&](std::size_t k) {
 		const ContactPoint& c = problem.points[k];
-		kinds_[k] = { c.body1, c.body2, requiredModel(problem, c), c.crossesMovingCell() };
+		pointKeys_[k] = { c.body1, c.body2, requiredModel(problem, c), c.crossesMovingCell() };
 	});
 	std::size_t count = 0;
 	bool        same  = true;
 	for (std::size_t k = 0; k < points; ++count) {
-		const Kind &     c = kinds_[k], &next = kinds_[std::min(k + 1, points - 1)];
+		const PointKey & c = pointKeys_[k], &next = pointKeys_[std::min(k + 1, points - 1)];
 		const bool       joins = k + 1 < points && next.body1 == c.body1 && next.body2 == c.body2;
 		const Model      required = joins ? common(c.required, next.required) : c.required;
 		const PackedPair pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, required,
 			required, c.crossesMovingCell || (joins && next.crossesMovingCell),
-			PackedPair::noSlot, 0 };
+			none, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
 		PackedPair& old = pairs_[count];
 		// firstPoint follows from the earlier pairs
@@ -141,7 +141,7 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 
 bool Layout::packable(const PackedPair& pair) const
 {
-	const BodyKind a = kind_[pair.body1], b = kind_[pair.body2];
+	const BodyKind a = bodyKind_[pair.body1], b = bodyKind_[pair.body2];
 	if (pair.crossesMovingCell) return false;
 	return (a == BodyKind::regular && b != BodyKind::special)
 	        || (b == BodyKind::regular && a != BodyKind::special);
@@ -151,7 +151,7 @@ bool Layout::packable(const PackedPair& pair) const
 void Layout::sortPairs()
 {
 	for (PackedPair& pair : pairs_)
-		pair.slot = PackedPair::noSlot;
+		pair.slot = none;
 	listPairs(islands_, byIsland_, [&](auto add) {
 		for (std::size_t k = 0; k < pairs_.size(); ++k)
 			if (const int island = islandOf(pairs_[k]); island != none) add(island, int(k));
@@ -197,7 +197,7 @@ int Layout::sectionOf(const PackedPair& pair) const
 void Layout::makeSections()
 {
 	sections_.clear();
-	partitions_.reset(kind_.size());
+	partitions_.reset(bodyKind_.size());
 	for (Island& island : islands_)
 		cut(island);
 	partitionCount_ = int(sections_.size());
@@ -223,14 +223,14 @@ void Layout::numberRecords()
 {
 	// a place for each partition of an island, then one for its bodies with overflow pairs only
 	const auto place = [&](int body) {
-		return (partitions_.of(body) != Partitions::none ? partitions_.of(body)
+		return (partitions_.of(body) != none ? partitions_.of(body)
 		                                                 : islands_[island_[body]].partitions.end)
 		        + island_[body];
 	};
 	std::vector<std::int32_t> bodies(
 	        islands_.empty() ? 0 : islands_.back().partitions.end + islands_.size()),
 	        next(bodies.size());
-	for (std::size_t body = 0; body < kind_.size(); ++body)
+	for (std::size_t body = 0; body < bodyKind_.size(); ++body)
 		if (island_[body] != none) ++bodies[place(int(body))];
 	records_          = 0;
 	const auto number = [&](Range& records, int at, bool half) {
@@ -244,8 +244,8 @@ void Layout::numberRecords()
 			number(sections_[p].records, p + int(k), island.halfRecords);
 		number(island.overflowRecords, island.partitions.end + int(k), island.halfRecords);
 	}
-	record_.resize(kind_.size());
-	for (std::size_t body = 0; body < kind_.size(); ++body) {
+	record_.resize(bodyKind_.size());
+	for (std::size_t body = 0; body < bodyKind_.size(); ++body) {
 		if (island_[body] == none) {
 			record_[body] = appendRecords(1);
 			continue;
@@ -261,7 +261,7 @@ void Layout::listOverflow(Island& island)
 {
 	island.overflow.begin = int(overflow_.size());
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
-		if (pairs_[byIsland_[k]].slot == PackedPair::noSlot) overflow_.push_back(byIsland_[k]);
+		if (pairs_[byIsland_[k]].slot == none) overflow_.push_back(byIsland_[k]);
 	island.overflow.end = int(overflow_.size());
 }
 

@@ -29,13 +29,11 @@ enum class BodyKind : unsigned char { regular, prescribed, special };
 
 /// One or two consecutive points between the same two bodies.
 struct PackedPair {
-	static constexpr std::int32_t noSlot = -1; // overflow, or a pair of two prescribed bodies
-
 	std::int32_t body1, body2, firstPoint, points;
 	Model        required; // the cheapest model that holds
 	Model        model;    // the model in use
 	bool         crossesMovingCell; // its image moves or may move (CellStress): overflow
-	std::int32_t slot;     // blockWidth · block + lane, or noSlot
+	std::int32_t slot; // blockWidth · block + lane; none: overflow, or two prescribed bodies
 	std::int32_t column;   // first column of its first point; those of the second follow
 };
 
@@ -54,7 +52,7 @@ struct Section {
 	Range        records; // of the bodies of a partition
 	Range        pairs;   // in Layout::bySection
 	Row          rows[Coloring::colors][models][2];
-	std::int32_t prescribedRecords = 0; // prescribed bodies, counted per pair
+	std::int32_t prescribedRecords = 0; // each pair needs one per prescribed body
 	std::int32_t nextRecord        = 0; // of these
 
 	Row& row(int color, const PackedPair& pair)
@@ -66,7 +64,7 @@ struct Section {
 struct Island {
 	std::int32_t points      = 0;
 	bool         shared      = false; // several threads sweep it
-	bool         halfRecords = false; // all its pairs are frictionless discs
+	bool         halfRecords = false; // not small, and all its pairs are frictionless discs
 	bool         cell        = false; // contains all pairs across the boundary of a stretching cell
 	Range        pairs;               // in Layout::byIsland
 	Range        overflowRecords;     // of the bodies with overflow pairs only
@@ -84,7 +82,7 @@ public:
 	const std::vector<Range>&      vacant() const { return vacant_; } // columns with empty slots
 	int                            columns() const { return columns_; }
 	int                            pointBlocks() const { return pointBlocks_; }
-	BodyKind                       kind(int body) const { return kind_[body]; }
+	BodyKind                       kind(int body) const { return bodyKind_[body]; }
 
 	/// Number of half records: of bodies, then of prescribed bodies of sections and of empty slots.
 	int records() const { return records_; }
@@ -104,7 +102,7 @@ public:
 
 private:
 	/// The properties of a point that the layout depends on.
-	struct Kind {
+	struct PointKey {
 		std::int32_t body1, body2;
 		Model        required;
 		bool         crossesMovingCell;
@@ -113,7 +111,10 @@ private:
 	bool  classifyBodies(const ContactProblem&);
 	bool  findPairs(const ContactProblem&, ThreadTeam&);
 	Model requiredModel(const ContactProblem&, const ContactPoint&) const;
-	bool moves(int body) const { return kind_[body] != BodyKind::prescribed || !reductions_.fixed; }
+	bool  moves(int body) const
+	{
+		return bodyKind_[body] != BodyKind::prescribed || !reductions_.fixed;
+	}
 	bool packable(const PackedPair&) const;
 	void findIslands();
 	/// The bodies of a pair; a prescribed one is replaced by its partner.
@@ -136,12 +137,10 @@ private:
 	void listOverflow(Island&);
 	int  appendRecords(int count);
 
-	static constexpr std::int32_t none = -1;
-
 	Reductions                    reductions_;
 	bool                          stretches_ = false; // the cell may stretch
-	std::vector<BodyKind>         kind_;
-	std::vector<Kind>             kinds_; // of each point
+	std::vector<BodyKind>         bodyKind_;
+	std::vector<PointKey>         pointKeys_;
 	std::vector<PackedPair>       pairs_;
 	std::vector<std::int32_t>     island_, record_; // of each body
 	std::vector<Island>           islands_;

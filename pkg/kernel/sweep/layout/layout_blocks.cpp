@@ -18,7 +18,7 @@ void Layout::color(Section& section)
 		const bool        moves1 = moves(pair.body1), moves2 = moves(pair.body2);
 		const int color = coloring_.take(record_[pair.body1], moves1, record_[pair.body2], moves2);
 		color_[number]  = static_cast<signed char>(color);
-		if (color == Coloring::none) continue;
+		if (color == none) continue;
 		++section.row(color, pair).pairs;
 		section.prescribedRecords += !moves1 + !moves2;
 	}
@@ -66,7 +66,7 @@ void Layout::place(Section& section)
 	};
 	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
 		const int number = bySection_[k];
-		if (color_[number] == Coloring::none) continue;
+		if (color_[number] == none) continue;
 		PackedPair& pair = pairs_[number];
 		Row&        row  = section.row(color_[number], pair);
 		pair.slot        = row.nextSlot++;

@@ -7,8 +7,8 @@ namespace rcr {
 /// Numbers the islands in the order of their first pairs.
 void Layout::findIslands()
 {
-	DisjointSets              sets(kind_.size());
-	std::vector<std::int32_t> number(kind_.size(), none);
+	DisjointSets              sets(bodyKind_.size());
+	std::vector<std::int32_t> number(bodyKind_.size(), none);
 	std::int32_t              whole = none; // the one island without that reduction
 	int                       cell  = none; // a body at the boundary of a stretching cell
 	for (const PackedPair& pair : pairs_) {
@@ -19,7 +19,7 @@ void Layout::findIslands()
 		if (cell != none) sets.join(cell, body);
 		cell = body;
 	}
-	island_.assign(kind_.size(), none);
+	island_.assign(bodyKind_.size(), none);
 	islands_.clear();
 	for (const PackedPair& pair : pairs_) {
 		const int body = movingBodies(pair)[0];
@@ -39,7 +39,7 @@ void Layout::findIslands()
 ModelSummary Layout::summary() const
 {
 	ModelSummary      s;
-	std::vector<bool> turns(kind_.size());
+	std::vector<bool> turns(bodyKind_.size());
 	for (const PackedPair& pair : pairs_) {
 		if (islandOf(pair) == none) continue;
 		++s.pairs;
@@ -47,8 +47,8 @@ ModelSummary Layout::summary() const
 		s.frictionalPoints += hasFriction(pair.model) ? pair.points : 0;
 		if (pair.model != Model::frictionlessDisc) turns[pair.body1] = turns[pair.body2] = true;
 	}
-	for (std::size_t body = 0; body < kind_.size(); ++body) {
-		s.fixed += kind_[body] == BodyKind::prescribed;
+	for (std::size_t body = 0; body < bodyKind_.size(); ++body) {
+		s.fixed += bodyKind_[body] == BodyKind::prescribed;
 		s.bodies += island_[body] != none;
 		s.rotating += island_[body] != none && turns[body];
 	}

@@ -1,20 +1,22 @@
 // Partitions of an island: runs of levels of a breadth-first search over its bodies.
 //
 // A pair joins bodies of one level or of two successive levels. A partition has at least two
-// levels. So a pair lies within a partition or on the interface to the next one, and no body has
-// pairs on two interfaces. All partitions may be swept at once, and then all interfaces.
+// levels; the last one may have one. So a pair lies within a partition or on the interface to the
+// next one, and no body has pairs on two interfaces. All partitions may be swept at once, and then
+// all interfaces.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include "sweep/layout/coloring.hpp"
+
 namespace rcr {
 
 class Partitions {
 public:
-	static constexpr std::int32_t none = -1;
-	using Edge                         = std::array<std::int32_t, 2>; // two bodies
+	using Edge = std::array<std::int32_t, 2>; // two bodies
 
 	void reset(std::size_t bodies);
 
