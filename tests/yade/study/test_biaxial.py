@@ -130,7 +130,7 @@ def test_records_do_not_depend_on_the_length_of_runs(packing):
     assert many.rows == single.rows and len(many.rows) == 24
     assert many.strain > 2 * PROTOCOL.ramp_strain
     assert many.progress["iterations"] == single.progress["iterations"]
-    assert many.solver.model["arrays"] > single.solver.model["arrays"]
+    assert many.solver.model["array_steps"] > single.solver.model["array_steps"]
     assert without_cost(many.summary()) == without_cost(single.summary())
 
 
