@@ -3,7 +3,7 @@
 Grains have radii in [R_min, 2 R_min], uniform in volume fraction. `rcr.study.protocol` has the
 units and all constants. The time step is a fixed share of t₀, since no stiffness bounds it.
 
-With the smooth law the packing is compacted with rigid contacts too. Springs replace them at the
+With `law` smooth, the packing is compacted with rigid contacts too. Springs replace them at the
 start of the shear, and the time step is a fixed share of `rcr.critical_time_step`.
 """
 

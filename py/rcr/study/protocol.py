@@ -69,7 +69,7 @@ class Protocol:
     record_strain: float = 1e-3  # strain of a record of the history [-]
     fraction_ratios: tuple = (0.5, 1.5)  # packing fraction over its first value; beyond: blown up
 
-    # Smooth law
+    # Springs (law smooth)
     stiffness: float = 1e3  # k_n [σ₀]: mean overlaps of about 1e-3 d
     shear_stiffness: float = 0.8  # k_s over k_n [-]
     viscous_damping: float = 0.3  # damping ratio along normals [-]; the shear has no other damping
