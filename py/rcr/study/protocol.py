@@ -112,12 +112,15 @@ def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e
     parameter out of its range, or two that exclude each other.
     """
     parameters = dict(locals())
+    from rcr import _kernel
+
     if iterations is None:
         small = _checked("particles", particles) <= PROTOCOL.small_particles
         parameters["iterations"] = PROTOCOL.small_iterations if small else PROTOCOL.iterations
     for name in _RANGES:
         parameters[name] = _checked(name, parameters[name])
     checks.choice("law", law, ("cd", "smooth"))
+    checks.choice("solver", solver, _kernel.solver_names())
     _check_combination(parameters)
     return parameters
 
@@ -146,12 +149,7 @@ def _checked(name, value):
 
 
 def _check_combination(parameters):
-    """Raise ValueError for an unknown solver and for parameters that exclude each other."""
-    from rcr import _kernel
-
-    solver, names = parameters["solver"], _kernel.solver_names()
-    if solver not in names:
-        raise ValueError(f"solver {solver!r} is not known; expected one of {', '.join(names)}")
+    """Raise ValueError for parameters that exclude each other."""
     law, strain = parameters["law"], parameters["inertial_number"] * parameters["time_step"]
     if law == "cd" and strain > PROTOCOL.record_strain:
         expected = f"at most {PROTOCOL.record_strain:g}, the strain of a record"
