@@ -11,7 +11,7 @@ import rcr
 import yade.utils
 from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
-from rcr.network import OTHER, WALL
+from rcr.network import OBSTACLE, OTHER
 from scenes import (G, box, build, heap, material, plane, pressed_box, python, refused, set_state,
                     shrinking_cell, steps)
 from yade import O
@@ -263,8 +263,8 @@ def test_obstacles_carry_the_weight(resting):
     assert sorted(network.particles["id"]) == sorted([*ids["grains"], *ids["members"]])
     at_obstacles = network.contacts["body2"] < 0
     assert set(OTHER - network.contacts["body2"][at_obstacles]) == set(ids["obstacles"])
-    assert (network.contacts["type"][at_obstacles] == WALL).all()
-    assert (network.contacts["type"][~at_obstacles] < WALL).all()
+    assert (network.contacts["type"][at_obstacles] == OBSTACLE).all()
+    assert (network.contacts["type"][~at_obstacles] < OBSTACLE).all()
     assert np.isin(network.contacts["body1"], network.particles["id"]).all()
     assert np.trace(network.fabric()) == pytest.approx(1) and network.coordination() > 2
     assert len(network.anisotropies()) == 5
