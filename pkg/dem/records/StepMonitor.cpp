@@ -68,8 +68,7 @@ double deepestOverlap(const rcr::Step& step, rcr::ThreadTeam& team)
 	return team.maximum(step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });
 }
 
-std::string StepMonitor::count(
-        const rcr::Step& step, const StepOutcome& outcome, double overlap)
+std::string StepMonitor::count(const rcr::Step& step, const StepOutcome& outcome, double overlap)
 {
 	const auto        verdict = jam.update(overlap, outcome.yielded);
 	const bool        none    = verdict == rcr::JamDetector::Verdict::none;

@@ -8,12 +8,13 @@
 
 namespace yade {
 
+/// Outcome of a solved step.
 struct StepOutcome {
-	long   iteration; // O.iter at its beginning
-	double endTime;   // O.time at its end [s]
-	int    sweeps, points;
+	long   iteration;      // O.iter at its beginning
+	double endTime;        // O.time at its end [s]
+	int    sweeps, points; // sweeps of all passes; contact points
 	double residual;
-	bool   missed; // it did not converge, at a tolerance > 0
+	bool   missed;         // it did not converge, at a tolerance > 0
 	bool   yielded;
 	double toleranceRatio; // larger ratio of an error to its tolerance; 0 unless missed [-]
 };

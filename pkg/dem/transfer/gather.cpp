@@ -215,7 +215,8 @@ namespace {
 			int points = 0;
 			for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
 				const SceneHandles::Contact& source = handles_.sorted[k];
-				step_.contacts[k] = { source.id1, source.id2, points, source.points, int(k) };
+				step_.contacts[k] = { source.id1, source.id2, points, source.points, int(k), 0, 0,
+					0, {}, {} };
 				points += source.points;
 			}
 			step_.resizePoints(points);
