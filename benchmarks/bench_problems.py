@@ -6,6 +6,7 @@ scripts/bench_solver.py and rcr.problems.load read. Run it with YADE:
     scripts/yade-rcr -n -x scripts/bench_problems.py --particles 2000 --eta 0.7 --out problems
 """
 
+import math
 import os
 
 from rcr import script
@@ -45,7 +46,9 @@ def main():
         test.compact()
         begin()
         for state in range(1, options.states + 1):
-            test.shear_to(state * options.strain / options.states)
+            strain = state * options.strain / options.states
+            if not test.has_reached(strain):
+                test.shear(math.inf, strain)
             name = f"n{options.particles}_e{options.eta:g}_{test.strain:.4f}.npz"
             path = os.path.join(options.out, name)
             test.solver.save(path)

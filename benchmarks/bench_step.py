@@ -179,7 +179,7 @@ def time_checkpoint(folder, way, options):
     solver.observed()
     scene.timingEnabled = True
     timing.reset()
-    parts, in_arrays = dict(solver.seconds), solver.model["arrays"]
+    parts, in_arrays = dict(solver.seconds), solver.model["array_steps"]
     times = []
     for done in range(0, options.steps, BLOCK):
         count = min(BLOCK, options.steps - done)
@@ -201,7 +201,7 @@ def time_checkpoint(folder, way, options):
     rows += [dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total)
              for name, ms in parts.items()]
     whole = dict(about, eta=test.parameters["eta"], steps=options.steps,
-                 in_arrays=solver.model["arrays"] - in_arrays, ms=1e3 * float(np.mean(times)),
+                 in_arrays=solver.model["array_steps"] - in_arrays, ms=1e3 * float(np.mean(times)),
                  ms_least=1e3 * min(times), iterations=seen["iterations"] / options.steps,
                  tolerance=solver.tolerance)
     return rows, whole

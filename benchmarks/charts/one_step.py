@@ -4,6 +4,7 @@ Rows are those of scripts/bench_solver.py and scripts/bench_step.py. Problems wi
 three times and changed by 5 % (`benchmarks.measure.mirrored`): large problems without large tests.
 """
 
+import math
 import os
 from types import SimpleNamespace
 
@@ -51,7 +52,7 @@ def _files(particles, eta, options):
         os.makedirs(os.path.dirname(base), exist_ok=True)
         test = Biaxial.prepare(eta, particles, threads=1)
         test.compact()
-        test.shear_to(STRAIN)
+        test.shear(math.inf, STRAIN)
         test.solver.save(base + ".npz")
         test.network().save(base + ".h5")
     return base + ".npz", base + ".h5"

@@ -11,7 +11,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_STATICATTRS(Gl1_CdPhys,GlIPhysFunctor,"Draws the force of a :yref:`CdPhys` "
 			"in the 3D view: from centre to contact to centre, as thick as the normal force. "
-			":yref:`Gl1_RcrFrictPhys` draws forces of the smooth law in the same way.",
+			":yref:`Gl1_RcrFrictPhys` draws forces of springs in the same way.",
 		((std::string,color,"force",,"Quantity shown by the colour: ``force`` (blue to red, up to "
 				":yref:`maxForce<Gl1_CdPhys.maxForce>`), ``type`` (cap-cap blue, cap-side green, "
 				"side-side red, obstacles light grey) or ``mobilization`` ($|f_t|/\\mu f_n$, blue "

@@ -21,7 +21,7 @@ public:
 	Flat(const Flat&) = delete;
 };
 
-/// Colours of cap-cap, cap-side, side-side and obstacle contacts, as in rcr.plot.
+/// Colours of contact types; rcr.plot draws obstacles darker.
 inline void colorOfType(int type)
 {
 	static const double colors[4][3] = {

@@ -106,9 +106,9 @@ void bindGeometry(py::module_& m)
 	        "half_length"_a, "cap_radius"_a, "angle"_a,
 	        "Half widths of the axis-aligned bounding box [m].");
 	const char* manifold
-	        = "Manifolds of N pairs: dict of count (N,), type (N,) with 0 cc, 1 cs, 2 ss, 3 wall,\n"
-	          "position and normal (N, 2, 2), gap (N, 2) [m]. Unused points are NaN. A stadium is\n"
-	          "(half length, cap radius), a pose (x, y, angle).";
+	        = "Manifolds of N pairs: dict of count (N,), type (N,) with 0 cc, 1 cs, 2 ss, 3\n"
+	          "obstacle, position and normal (N, 2, 2), gap (N, 2) [m]. Unused points are NaN. A\n"
+	          "stadium is (half length, cap radius), a pose (x, y, angle).";
 	bindOverlap<Stadium>(
 	        m, "overlap_stadiums", { "stadium1", "pose1", "stadium2", "pose2" }, manifold);
 	bindOverlap<Rectangle>(

@@ -236,7 +236,7 @@ void bindInternals(py::module_& m)
 	m.def("layout", layoutOf, "reductions"_a, "Layout of a problem; arrays as in `solve`.");
 
 	m.def("lane_width", [](int lanes) { return packedKernels(lanes).width; }, "lanes"_a,
-	        "Vector width that runs for `lanes`.");
+	        "Vector width that runs for `lanes`, in contact points; 0: that of the processor.");
 	m.def("apply_lanes", applyLanes, "lanes"_a, "operation"_a, "a"_a, "b"_a, "c"_a,
 	        "Apply an operation of lane.hpp to 16 numbers.");
 	m.def("move_lanes", moveLanes, "lanes"_a, "whole"_a, "records"_a, "source"_a, "target"_a,

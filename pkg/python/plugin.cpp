@@ -53,7 +53,7 @@ std::string prepareRun()
 	return error;
 }
 
-bool usesRcr() { return yade::validation::usesRcrClasses(*yade::Omega::instance().getScene()); }
+bool usesRcr() { return yade::validation::usesRcrLaw(*yade::Omega::instance().getScene()); }
 
 py::list advice()
 {
@@ -122,7 +122,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	        "Message of the error that stopped ContactDynamics, returned once; empty without "
 	        "error.");
 	py::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
-	py::def("uses_rcr", usesRcr, "True if the scene contains a law of this plugin.");
+	py::def("uses_rcr", usesRcr, "True if the scene holds a law, ContactDynamics or Ip2 of rcr.");
 	py::def("advice", advice, "Warnings for suspicious scenes, a list of texts.");
 	py::def(
 	        "planar_clump", planarClump,

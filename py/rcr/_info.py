@@ -40,7 +40,7 @@ def info():
     except ImportError:
         facts |= dict(build="not built", lanes="not built")
     else:
-        facts |= dict(build=_kernel.build, lanes=_kernel.lanes())
+        facts |= dict(build=_kernel.build, lanes=_kernel.lane_width(0))
     facts["threads"] = os.environ.get("OMP_NUM_THREADS", "as many as processors")
     if yade:
         facts["threads"] = sys.modules["yade.wrapper"].Omega().numThreads

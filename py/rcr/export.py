@@ -24,7 +24,7 @@ from rcr._pictures.outlines import polygons
 from rcr.frame import Frame
 
 PARTS = ("grains", "contacts", "obstacles")
-KINDS = ("box", "facet", "wall", "cell")  # values of the obstacles' column `kind`
+OBSTACLE_KINDS = ("box", "facet", "wall", "cell")  # values of the obstacles' column `kind`
 
 
 def vtk(path, what=None):
@@ -185,6 +185,7 @@ def _obstacle_mesh(frame):
         points += [vertices for _, _, vertices in rows]
         cells.append((shape, start + np.arange(corners * len(rows)).reshape(-1, corners)))
         data["id"].append(np.array([id_ for id_, _, _ in rows], dtype=int))
-        data["kind"].append(np.array([KINDS.index(kind) for _, kind, _ in rows], dtype=int))
+        kinds = [OBSTACLE_KINDS.index(kind) for _, kind, _ in rows]
+        data["kind"].append(np.array(kinds, dtype=int))
         start += corners * len(rows)
     return np.concatenate(points), cells, {}, data

@@ -24,10 +24,10 @@ import numpy as np
 
 from rcr._data.network_columns import rows
 from rcr._pictures import outlines
-from rcr.network import WALL, Network
+from rcr.network import OBSTACLE, Network
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
-STRIPS = 2000  # vertical strips of a clump; the relative error of its area is about 1e-5
+CLUMP_STRIPS = 2000  # vertical strips of a clump; the relative error of its area is about 1e-5
 _NO_WALLS = dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
 
 
@@ -100,7 +100,7 @@ class Frame:
             raise ValueError(f"no scene: this Python runs without YADE; {todo}") from error
         frame = cls(**scene_arrays.read())
         free1, free2 = frame.free_ends()
-        frame.contacts["type"][~(free1 & free2)] = WALL
+        frame.contacts["type"][~(free1 & free2)] = OBSTACLE
         return frame
 
     @classmethod
@@ -157,7 +157,7 @@ class Frame:
         for number in np.unique(clump[clump >= 0]):
             members = clump == number
             clumped = {name: column[members] for name, column in self.grains.items()}
-            union, _, _ = outlines.union(clumped, STRIPS)
+            union, _, _ = outlines.union(clumped, CLUMP_STRIPS)
             own[members] *= union / own[members].sum()
         return own
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from rcr._data import checks, files, network_columns
 from rcr._data.network_columns import (  # noqa: F401: part of this module's interface
-    BOTTOM, CAP_CAP, CAP_SIDE, LEFT, OTHER, RIGHT, SIDE_SIDE, TOP, WALL,
+    BOTTOM, CAP_CAP, CAP_SIDE, LEFT, OBSTACLE, OTHER, RIGHT, SIDE_SIDE, TOP,
 )  # fmt: skip
 from rcr.xi_networks import XiNetworks, cutoffs
 

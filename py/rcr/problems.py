@@ -94,11 +94,10 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
             f"rcr in {os.path.dirname(__file__)} has no kernels, only the analysis: the solver has "
             "to be compiled; from the sources: pip install . "
             "--config-settings=cmake.define.RCR_PLUGIN=OFF") from error
-    if not isinstance(solver, str):
-        checks.choice("solver", solver, _kernel.solver_names())
+    checks.choice("solver", solver, _kernel.solver_names())
     tolerance = checks.number("tolerance", tolerance, "a residual ≥ 0", lambda v: v >= 0)
     expected = "at least 1 and at most 2147483647"
-    sweeps = checks.integer("maxIterations", max_iterations, expected, lambda v: 1 <= v < 2**31)
+    sweeps = checks.integer("max_iterations", max_iterations, expected, lambda v: 1 <= v < 2**31)
     settings = dict(solver=solver, tolerance=tolerance, max_iterations=sweeps)
     if not isinstance(problem, (BodyProblem, DelassusProblem)):
         problem = load(problem)

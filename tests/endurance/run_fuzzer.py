@@ -236,11 +236,11 @@ def play(scene, arrays):
                 O.run(end - O.iter, True)
             except (ValueError, RuntimeError) as error:
                 failure = dict(step=O.iter, error=str(error).split("\n")[0][:60])
-                return [*states, failure], solver.model["arrays"]
+                return [*states, failure], solver.model["array_steps"]
             if O.iter >= end:
                 break
         states.append(state())
-    return states, solver.model["arrays"]
+    return states, solver.model["array_steps"]
 
 
 def difference(scene):

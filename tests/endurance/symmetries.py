@@ -77,7 +77,7 @@ def play(scene, arrays):
         O.run(RUN, True)
     except (ValueError, RuntimeError) as error:
         return f"{O.iter}: {error!s:.60}", 0
-    return (state() + 0.0).tobytes(), solver().model["arrays"]
+    return (state() + 0.0).tobytes(), solver().model["array_steps"]
 
 
 def smaller(scene):

@@ -76,7 +76,7 @@ def test_settings_and_warm_starts(files):
         short = solve(files / name, "exact", 1e-12, 7)
         assert not short.converged and short.iterations <= 7 and short.residual > 1e-12
         for bad, says in (({"solver": "newton"}, "newton"), ({"tolerance": -1}, "tolerance = -1"),
-                          ({"max_iterations": 0}, "maxIterations = 0")):
+                          ({"max_iterations": 0}, "max_iterations = 0")):
             refused(says, solve, files / name, **bad)
     problem = problems.load(files / "step.npz")
     problem.impulse = solve(problem, "exact", 1e-9).reaction
@@ -289,11 +289,11 @@ def test_script(files, step, name, out):
     ("step.npz --out=", "--out '': expected a path"),
     (". --out o.npz", "unknown suffix"),
     ("folder.npz --out o.npz", "Is a directory"),
-    ("step.npz --out o.npz --solver best", "solver 'best' is not known"),
+    ("step.npz --out o.npz --solver best", "solver = 'best'; expected one of"),
     ("step.npz --out o.npz --tolerance -1", "tolerance = -1"),
     ("step.npz --out o.npz --tolerance nan", "--tolerance nan: expected a finite number"),
     (f"step.npz --out o.npz --max-iterations {'9' * 30}", "--max-iterations 999"),
-    (f"step.npz --out o.npz --max-iterations {2**31}", "maxIterations = 2147483648"),
+    (f"step.npz --out o.npz --max-iterations {2**31}", "max_iterations = 2147483648"),
     ("step.npz --out o.npz --max-iterations 1.5",
      "--max-iterations '1.5': expected a whole number"),
 ])

@@ -15,8 +15,10 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from rcr.study import analysis, figures, report
 from rcr.study.figures import maps
+from rcr.study.figures.plot_style import color
 from rcr.frame import Frame
 from rcr._pictures.outlines import polygons
 from rcr.study.claims.paper import MAPS, STATEMENTS, nearest
@@ -174,14 +176,15 @@ def test_script_refuses_bad_input(case, folders, tmp_path):
 
 def test_plots_draw_into_the_axes_given_and_read_the_file(result):
     """analysis.json has null where the arrays have NaN. An elongation has one colour."""
-    ax = figures.plot_strength(result["O1"]["value"])
-    assert isinstance(ax, Axes) and figures.plot_mobilization(result["O5"]["value"], ax) is ax
+    ax = Figure().add_subplot()
+    for plot, observable in (figures.plot_strength, "O1"), (figures.plot_mobilization, "O5"):
+        assert plot(result[observable]["value"], ax) is ax
     again = json.loads(json.dumps(analysis.jsonable(result)))
     for observable in figures.FIGURES:
         assert figures.draw(observable, again).findobj(Axes), observable
-    ax = figures.plot_xi(result["O15"]["value"], "a_c", "a_c")
+    ax = figures.plot_xi(result["O15"]["value"], "a_c", "a_c", Figure().add_subplot())
     drawn = [to_hex(line.get_color()) for line in ax.lines if line.get_label().startswith(r"$\eta")]
-    assert drawn == [to_hex(figures.color(eta)) for eta in (0, 0.5)]
+    assert drawn == [to_hex(color(eta)) for eta in (0, 0.5)]
     assert nearest([0, 0.5, 0.7], (0.2, 0.7)) == [0, 0.7]
     assert nearest([0.5], (0, 0.4, 0.7)) == [0.5]
 

@@ -22,7 +22,7 @@ EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")
 
 
 def engines(gravity=(0, -G, 0), before=(), restitution=None, law="rigid", **options):
-    """`before` precedes the solver; `options` set attributes of ContactDynamics or smooth law."""
+    """`before` precedes the solver; `options` set attributes of ContactDynamics or springs."""
     if law == "rigid":
         ip2, law2 = rcr.Ip2_FrictMat_FrictMat_CdPhys(), rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()
         before = [*before, rcr.ContactDynamics(**(options or EXACT))]

@@ -9,8 +9,8 @@ public:
 	~CdPhys() override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(CdPhys,FrictPhys,
-		"Rigid contact with Coulomb friction for :yref:`ContactDynamics`, without stiffness (kn = ks = 0). The forces of each point "
-		"start the next step. normalForce and shearForce are the sums over the points.",
+		"Rigid contact with Coulomb friction for :yref:`ContactDynamics`, without stiffness (kn = ks = 0). The solver starts the "
+		"next step from the forces of each point. normalForce and shearForce are the sums over the points.",
 		((Real,restitution,0,,"Newton's coefficient of restitution, 0 (plastic) to 1 (elastic) [-]."))
 		((int,points,0,Attr::readonly,"Number of contact points that carry the forces."))
 		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point, as :yref:`RcrGeom.along` [m]."))

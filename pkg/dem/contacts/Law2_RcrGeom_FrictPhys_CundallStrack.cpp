@@ -7,9 +7,9 @@ namespace yade {
 
 CREATE_LOGGER(Law2_RcrGeom_FrictPhys_CundallStrack);
 
-RcrFrictPhys::RcrFrictPhys(const FrictPhys& stock) : RcrFrictPhys()
+RcrFrictPhys::RcrFrictPhys(const FrictPhys& yadePhys) : RcrFrictPhys()
 {
-	FrictPhys::operator=(stock);
+	FrictPhys::operator=(yadePhys);
 }
 
 void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_CundallStrack&)
@@ -65,10 +65,10 @@ static double halfWidth(const Shape& shape)
 static bool prepare(shared_ptr<IPhys>& phys, const Interaction& interaction)
 {
 	if (dynamic_cast<RcrFrictPhys*>(phys.get())) return true;
-	const FrictPhys&  stock   = static_cast<const FrictPhys&>(*phys);
-	const std::string message = physError(stock);
+	const FrictPhys&  yadePhys = static_cast<const FrictPhys&>(*phys);
+	const std::string message  = physError(yadePhys);
 	if (message.empty())
-		phys = boost::make_shared<RcrFrictPhys>(stock);
+		phys = boost::make_shared<RcrFrictPhys>(yadePhys);
 	else
 		deferError("Law2_RcrGeom_FrictPhys_CundallStrack: the contact of "
 		        + validation::bodyNames({ interaction.getId1(), interaction.getId2() })
@@ -153,8 +153,8 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::
 	trackDrive(owner, onOwner, double(scene->dt));
 }
 
-/// Counts contacts that overlap by more than half the radius of the thinner body. The first one
-/// prints a warning.
+/// Counts contacts that overlap by more than half the radius of the thinner body and 0.02 (R₁ +
+/// R₂). The first one prints a warning.
 void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(
         const RcrGeom& geom, const FrictPhys& phys, const Interaction& contact)
 {

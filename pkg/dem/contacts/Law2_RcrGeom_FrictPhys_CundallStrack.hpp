@@ -1,5 +1,4 @@
-// Smooth contact law: a spring, a dashpot and a Coulomb slider with a spring at each point of
-// RcrGeom.
+// Springs: a spring, a dashpot and a Coulomb slider with a spring at each point of RcrGeom.
 //
 //   f_n = max(0, k_n δ − c u_n)          δ = −g > 0: overlap [m]; u = v₂ − v₁ at the point [m/s]
 //   f_t ← f_t − k_s u_t dt, |f_t| ≤ µ f_n
@@ -17,7 +16,7 @@ namespace yade {
 
 class RcrFrictPhys : public FrictPhys {
 public:
-	RcrFrictPhys(const FrictPhys&);
+	RcrFrictPhys(const FrictPhys& yadePhys);
 	~RcrFrictPhys() override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrFrictPhys,FrictPhys,
@@ -41,10 +40,10 @@ public:
 	FUNCTOR2D(RcrGeom, FrictPhys);
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Law2_RcrGeom_FrictPhys_CundallStrack,LawFunctor,
-		"Smooth contact law on the geometry of :yref:`RcrGeom`: per point a spring $k_n$, a dashpot, and a Coulomb slider with a spring "
+		"Contact law of springs on the geometry of :yref:`RcrGeom`: per point a spring $k_n$, a dashpot, and a Coulomb slider with a spring "
 		"$k_s$. Stiffnesses come from :yref:`Ip2_FrictMat_FrictMat_FrictPhys`. ``rcr.critical_time_step()`` bounds the time step.",
 		((Real,damping,0,Attr::triggerPostLoad,"Fraction ζ of the critical damping [-]: dashpot $c=2\\zeta\\sqrt{k_n m_1m_2/(m_1+m_2)}$ along the normal; 0: none."))
-		((int,deepOverlapCount,0,Attr::readonly,"Number of contacts and steps with an overlap beyond half the radius of the thinner body. The first one prints a warning."))
+		((int,deepOverlapCount,0,Attr::readonly,"Contacts with deep overlaps, summed over steps: beyond half the radius of the thinner body and 0.02 (R₁ + R₂). The first one prints a warning."))
 		((int,elasticIx,-1,(Attr::hidden|Attr::noSave),"Index of elastPotential."))
 		((int,plasticIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip."))
 		((int,viscousIx,-1,(Attr::hidden|Attr::noSave),"Index of viscDissip."))

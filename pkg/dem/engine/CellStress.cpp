@@ -51,14 +51,14 @@ void CellStress::gatherCell(rcr::Step& step) const
 	if (grains == 0) return;
 	rcr::PeriodicCell& cell = step.cell;
 	const rcr::Vec2    size = lengths(cell);
-	const auto         free = [&](int axis, double length, double& inverse) {
+	const auto         load = [&](int axis, double length, double& inverse) {
 		if (math::isnan(stress[axis])) return;
 		inverse = 12 / (double(mass) * grains * length * length);
 		if (step.overdamped) cell.gradient[axis][axis] = 0;
 		cell.gradient[axis][axis] -= inverse * step.dt * double(stress[axis]) * cell.area();
 	};
-	free(0, size.x, step.problem.inverseStretchMass.x);
-	free(1, size.y, step.problem.inverseStretchMass.y);
+	load(0, size.x, step.problem.inverseStretchMass.x);
+	load(1, size.y, step.problem.inverseStretchMass.y);
 }
 
 } // namespace yade

@@ -60,7 +60,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 				return arrays
 				        && arraySteps_->advance(*scene, engines, team, handles_, impulses, step_);
 			});
-			model_.setArrays(arraySteps_->count(),
+			model_.set(workspace_.summary(), work_, meanStretchRate, arraySteps_->count(),
 			        arrays ? arraySteps_->enginesReason() : "ContactDynamics.arrays = False");
 		} while (advanced);
 		// YADE's objects get the state at the beginning of the last step; scatter adds its forces
@@ -121,7 +121,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	}
 	if (rcr::spansHalfCell(step_)) converged = false;
 	if (const int id = firstNotFinite(step_); id >= 0)
-		throw std::runtime_error(failureMessage(step_, id, scene->iter));
+		throw std::runtime_error(saveNotFinite(step_, id, scene->iter));
 	checkStretch(step_, scene->iter);
 	timed("correct", [&] {
 		rcr::correctPositions(step_, double(correction), workspace_);

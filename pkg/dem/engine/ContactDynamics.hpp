@@ -46,12 +46,12 @@ public:
 	/// Reads or writes an attribute that another thread may use.
 	template <auto Attribute> auto get() const -> std::decay_t<decltype(this->*Attribute)>
 	{
-		const std::lock_guard<std::mutex> lock(reading_);
+		const std::lock_guard<std::mutex> lock(attributesMutex_);
 		return this->*Attribute;
 	}
 	template <auto Attribute, class Value> void set(const Value& given)
 	{
-		const std::lock_guard<std::mutex> lock(reading_);
+		const std::lock_guard<std::mutex> lock(attributesMutex_);
 		this->*Attribute = given;
 	}
 	template <auto N> auto count() const { return get<&ContactDynamics::monitor>().steps.*N; }
@@ -66,7 +66,7 @@ public:
 		((int,maxIterations,1000,,"Sweeps after which a solve stops. Further passes, yielding contacts and squeezed grains may take more."))
 		((std::string,solver,"auto",,""))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)."))
-		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that a step removes, by shifts of at most 1e-4 R [-]. 0 also keeps the overlaps of curved paths."))
+		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that a step removes, by shifts of at most 1e-4 R [-]. At 0, overlaps of curved paths remain too."))
 		((Real,yieldCompliance,1,,"Compliance of yielding contacts over its default [-]. With a larger value, driven contacts yield at smaller impulses; 0: contacts never yield."))
 		((bool,overdamped,false,,"Motion without inertia: free bodies start each step from rest, or from :yref:`flow<ContactDynamics.flow>`, and overlaps are removed completely. O.cell.homoDeform is 0 meanwhile in a periodic cell."))
 		((Matrix3r,flow,Matrix3r::Zero(),,"Velocity gradient of the flow from which overdamped bodies start a step [1/s]. A periodic cell uses its velGrad instead."))
@@ -90,7 +90,7 @@ public:
 		((StepMonitor,monitor,,Attr::hidden,"Counts of steps and overlaps."))
 		((EnergyAccount,energy,,Attr::hidden,"Energy of the last step that O.energy does not hold yet.")),
 		/* ctor */,
-		.add_property("solver",&ContactDynamics::get<&ContactDynamics::solver>,&ContactDynamics::set<&ContactDynamics::solver,std::string>,"Solver: nlgs, sor, nesterov, exact or auto.")
+		.add_property("solver",&ContactDynamics::get<&ContactDynamics::solver>,&ContactDynamics::set<&ContactDynamics::solver,std::string>,"Solver: auto (default), nesterov, exact, sor or nlgs.")
 		.add_property("observe",&ContactDynamics::get<&ContactDynamics::observe>,&ContactDynamics::set<&ContactDynamics::observe,std::vector<int>>,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
 		.add_property("tuning",&ContactDynamics::tuning,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a read-only mapping: lanes, arrays, meanForceChange. Assign a dict to change them.")
 		.add_property("missedSteps",&ContactDynamics::count<&rcr::StepCounts::missed>,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
@@ -98,10 +98,10 @@ public:
 		.add_property("deepestOverlap",&ContactDynamics::count<&rcr::StepCounts::deepest>,"Deepest overlap at the beginning of a step so far, over R₁ + R₂ [-]. Pairs of prescribed bodies and overlaps that overdamped steps remove do not count.")
 		.add_property("model",&ContactDynamics::modelDict,"Size of the last problem after all reductions, and how it was solved, as a dict.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by stage, as a dict [s].")
-		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. With observeEvery > 0 the last entry of observations also starts a new mean. docs/solvers.md has an example.")
+		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. Each entry of observations restarts these means. docs/solvers.md has an example.")
 		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
 		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for rcr.scene.save_problem.")
-		.def("_change_since_step",&ContactDynamics::changeSinceStep,"What a script changed since the last step, so that pos − O.dt vel is not the position at its beginning; empty: nothing.")
+		.def("_change_since_step",&ContactDynamics::changeSinceStep,"What a script changed since the last step, so that pos − O.dt vel is not the position at its beginning. Empty: nothing, or unknown, as bodies were added or O.iter is not that at the end of the step.")
 		.def("__dir__",&ContactDynamics::visibleNames)
 	);
 	// clang-format on
@@ -121,7 +121,7 @@ private:
 	void          runStep(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
 	void          solvePass(const rcr::Settings&);
-	bool          hasMissed() const { return tolerance > 0 && !converged; }
+	StepOutcome   stepOutcome() const;
 	void          countStep();
 	PassOutcome   reviewPass(
 	          const validation::Engines&, int pass, double driveSpeed, std::vector<double>&);
@@ -141,8 +141,8 @@ private:
 	StepModel                    model_;
 	StepObserver                 observer_;
 	StageTimes                   times_;
-	mutable std::mutex           reading_; // guards `solver`, `observe` and `monitor`
-	std::atomic<std::thread::id> stepThread_;
+	mutable std::mutex           attributesMutex_; // guards `solver`, `observe` and `monitor`
+	std::atomic<std::thread::id> stepThread_; // it may read the problem during a run
 };
 REGISTER_SERIALIZABLE(ContactDynamics);
 

@@ -4,7 +4,7 @@
 
 namespace yade {
 
-static const Wall* shapeOf(const Scene& scene, int id)
+static const Wall* wallOf(const Scene& scene, int id)
 {
 	return scene.bodies->exists(id)
 	        ? dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get())
@@ -15,12 +15,12 @@ std::string WallStress::attributeError(const Scene& in) const
 {
 	for (const auto& [name, id] :
 	        { std::pair("wall", wall), std::pair("start", start), std::pair("end", end) })
-		if (!shapeOf(in, id))
+		if (!wallOf(in, id))
 			return std::string("WallStress.") + name + " = " + std::to_string(id)
 			        + " is not the id of a body with the shape Wall; "
 			          "give the ids of the pressed wall and of the two that bound it.";
-	const int pressed = shapeOf(in, wall)->axis, one = shapeOf(in, start)->axis,
-	          two = shapeOf(in, end)->axis;
+	const int pressed = wallOf(in, wall)->axis, one = wallOf(in, start)->axis,
+	          two = wallOf(in, end)->axis;
 	if (start == end)
 		return "WallStress.start and WallStress.end are both " + std::to_string(start)
 		        + ", so that the pressed length is 0; give the ids of the two walls that bound it.";
@@ -39,10 +39,10 @@ void WallStress::action()
 {
 	const std::string message = attributeError(*scene);
 	if (!message.empty()) throw std::invalid_argument(message);
-	const int  bounds = shapeOf(*scene, start)->axis;
-	const auto place  = [&](int id) { return (*scene->bodies)[id]->state->pos[bounds]; };
-	Vector3r force                       = Vector3r::Zero();
-	force[shapeOf(*scene, wall)->axis] = stress * math::abs(place(end) - place(start));
+	const int  along = wallOf(*scene, start)->axis;
+	const auto place  = [&](int id) { return (*scene->bodies)[id]->state->pos[along]; };
+	Vector3r force                    = Vector3r::Zero();
+	force[wallOf(*scene, wall)->axis] = stress * math::abs(place(end) - place(start));
 	scene->forces.addForce(wall, force);
 }
 

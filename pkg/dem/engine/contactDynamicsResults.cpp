@@ -8,13 +8,20 @@ namespace yade {
 
 namespace py = boost::python;
 
+StepOutcome ContactDynamics::stepOutcome() const
+{
+	const bool missed = tolerance > 0 && !converged;
+	return { scene->iter, double(scene->time + scene->dt), iterations, contactPoints,
+		double(residual), missed, yielded,
+		missed ? double(std::max(residual / tolerance, kinematicError / kinematicTolerance)) : 0 };
+}
+
 /// Counts the step with its overlap at the beginning. Throws the error of a jam.
 void ContactDynamics::countStep()
 {
 	const double                      overlap = deepestOverlap(step_, workspace_.team());
-	const std::lock_guard<std::mutex> lock(reading_);
-	const std::string                 warning = monitor.count(step_,
-	        { scene->iter, hasMissed(), yielded, overdamped, iterations, overlap });
+	const std::lock_guard<std::mutex> lock(attributesMutex_);
+	const std::string                 warning = monitor.count(step_, stepOutcome(), overlap);
 	if (!warning.empty()) LOG_WARN(warning);
 }
 
@@ -22,16 +29,10 @@ void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)
 {
 	const std::vector<int> ids = get<&ContactDynamics::observe>();
 	StepObserver::check(ids, step_, handles_);
-	const double toleranceRatio = hasMissed()
-	        ? double(std::max(residual / tolerance, kinematicError / kinematicTolerance))
-	        : 0;
-	observer_.record({ scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints,
-	                         double(residual), hasMissed(), yielded, toleranceRatio },
-	        ids, observeEvery, impulses, step_, handles_);
-	model_.setProblem(workspace_.summary(), work_, meanStretchRate);
+	observer_.record(stepOutcome(), ids, observeEvery, impulses, step_, handles_);
 }
 
-std::string failureMessage(const rcr::Step& step, int id, long iteration)
+std::string saveNotFinite(const rcr::Step& step, int id, long iteration)
 {
 	const gilLock     lock;
 	const std::string saved = py::extract<std::string>(
@@ -101,7 +102,8 @@ std::string ContactDynamics::changeSinceStep() const
 		        = plane::twistOf(*b->state) - step_.problem.velocity[b->getId()];
 		// a position correction may be as large
 		if (step_.dt * rcr::maxSpeed(change, body.radius) > 1e-4 * smallest)
-			return "the velocity of " + validation::bodyNames({ b->getId() }) + " is not that";
+			return "the velocity of " + validation::bodyNames({ b->getId() })
+			        + " differs from that";
 	}
 	return {};
 }

@@ -11,17 +11,13 @@ namespace yade {
 class StepModel {
 public:
 	/// `work`: sweeps × points of the step. `meanStretchRate`: along x and y [1/s].
-	void setProblem(const rcr::ModelSummary& summary, double work, const Vector2r& meanStretchRate)
+	/// `enginesReason`: reason for which YADE's engines take the next step; empty: none.
+	void set(const rcr::ModelSummary& summary, double work, const Vector2r& meanStretchRate,
+	        long arraySteps, const std::string& enginesReason)
 	{
 		const std::lock_guard<std::mutex> lock(mutex_);
 		summary_ = summary, work_ = work, meanStretchRate_ = meanStretchRate;
-	}
-
-	/// `reason`: reason for which YADE's engines take the next step; empty: none.
-	void setArrays(long stepsInArrays, const std::string& reason)
-	{
-		const std::lock_guard<std::mutex> lock(mutex_);
-		stepsInArrays_ = stepsInArrays, enginesReason_ = reason;
+		arraySteps_ = arraySteps, enginesReason_ = enginesReason;
 	}
 
 	/// Python may call it during a run.
@@ -33,7 +29,7 @@ public:
 		const double x = double(meanStretchRate_[0]), y = double(meanStretchRate_[1]);
 		model["work"]              = work_;
 		model["mean_stretch_rate"] = boost::python::make_tuple(x, y);
-		model["arrays"]            = stepsInArrays_;
+		model["array_steps"]       = arraySteps_;
 		model["engines"]           = enginesReason_;
 		return model;
 	}
@@ -43,7 +39,7 @@ private:
 	rcr::ModelSummary  summary_;
 	double             work_            = 0;
 	Vector2r           meanStretchRate_ = Vector2r::Zero();
-	long               stepsInArrays_   = 0;
+	long               arraySteps_      = 0;
 	std::string        enginesReason_;
 };
 

@@ -41,7 +41,7 @@ static std::string drivenParts(const rcr::Step& step)
 
 /// `overlaps`: the deepest pair and its overlap. `driven`: parts that squeeze grains.
 static std::string squeezeMessage(rcr::JamDetector::Verdict verdict,
-        const StepMonitor::Outcome& outcome, const std::string& overlaps, const std::string& driven)
+        const StepOutcome& outcome, const std::string& overlaps, const std::string& driven)
 {
 	if (verdict == rcr::JamDetector::Verdict::jam)
 		return "jam: " + overlaps
@@ -54,7 +54,7 @@ static std::string squeezeMessage(rcr::JamDetector::Verdict verdict,
 		return "not converged: " + overlaps
 		        + ", and the overlap grows from step to step. The solver found neither a solution "
 		          "in "
-		        + std::to_string(outcome.iterations)
+		        + std::to_string(outcome.sweeps)
 		        + " sweeps nor a proof that none exists, so positions and forces are wrong. Set a "
 		          "larger ContactDynamics.maxIterations or a smaller O.dt.";
 	return overlaps
@@ -68,9 +68,8 @@ double deepestOverlap(const rcr::Step& step, rcr::ThreadTeam& team)
 	return team.maximum(step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });
 }
 
-std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
+std::string StepMonitor::count(const rcr::Step& step, const StepOutcome& outcome, double overlap)
 {
-	const double      overlap = outcome.overlap;
 	const auto        verdict = jam.update(overlap, outcome.yielded);
 	const bool        none    = verdict == rcr::JamDetector::Verdict::none;
 	const std::string driven  = none ? "" : drivenParts(step);
@@ -80,7 +79,7 @@ std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
 		throw std::runtime_error(
 		        "ContactDynamics: " + squeezeMessage(verdict, outcome, overlaps, driven));
 	}
-	if (!steps.count(outcome.missed, outcome.yielded, overlap, outcome.overdamped)) return {};
+	if (!steps.count(outcome.missed, outcome.yielded, overlap, step.overdamped)) return {};
 	std::string warning = "step " + std::to_string(outcome.iteration) + ": " + steps.message();
 	if (overlap > rcr::StepCounts::reportedOverlap)
 		warning += " Deepest in this step: " + deepestPair(step, overlap) + ".";
@@ -116,8 +115,8 @@ void checkEnergy(const rcr::Step& step, long iteration)
 	const rcr::StepEnergy energy = stepEnergy(step, {}, {});
 	if (!(-energy.friction - energy.impact > kinetic)) return;
 	throw std::runtime_error("ContactDynamics: step " + std::to_string(iteration)
-	        + " has not converged, and its contacts would more than double the kinetic energy. "
-	          "Body #"
+	        + " has not converged, and its contacts would add more kinetic energy than the "
+	          "bodies had. Body #"
 	        + std::to_string(fastest) + " moves " + validation::text(farthest, 2)
 	        + " of its radii in this step. Nothing has moved. Take a smaller O.dt.");
 }

@@ -8,23 +8,26 @@
 
 namespace yade {
 
+/// Outcome of a solved step.
+struct StepOutcome {
+	long   iteration;      // O.iter at its beginning
+	double endTime;        // O.time at its end [s]
+	int    sweeps, points; // sweeps of all passes; contact points
+	double residual;
+	bool   missed;         // it did not converge, at a tolerance > 0
+	bool   yielded;
+	double toleranceRatio; // larger ratio of an error to its tolerance; 0 unless missed [-]
+};
+
 class StepMonitor {
 public:
 	rcr::StepCounts  steps;
 	rcr::JamDetector jam;
 
-	struct Outcome {
-		long   iteration;  // O.iter
-		bool   missed;     // it did not converge, at a tolerance > 0
-		bool   yielded;
-		bool   overdamped; // the step removes overlaps completely
-		int    iterations; // of the solver
-		double overlap;    // deepest at the beginning of the step, over R₁ + R₂ [-]
-	};
-
 	/// Counts the step. Returns a warning, or an empty text. Throws std::runtime_error if overlaps
-	/// grow from step to step while bodies are driven.
-	std::string count(const rcr::Step&, const Outcome&);
+	/// grow from step to step while bodies are driven. `overlap`: deepest at the beginning of the
+	/// step, over R₁ + R₂ [-].
+	std::string count(const rcr::Step&, const StepOutcome&, double overlap);
 
 	template <class Archive> void serialize(Archive& archive, unsigned)
 	{
@@ -33,7 +36,7 @@ public:
 		        & make_nvp("yielded", steps.yielded);
 		archive& make_nvp("deepest", steps.deepest) & make_nvp("warnedYielded", steps.warnedYielded)
 		        & make_nvp("warnedDepth", steps.warnedDepth);
-		archive& make_nvp("jamGrown", jam.newMaxima) & make_nvp("jamCertified", jam.yielded)
+		archive& make_nvp("jamNewMaxima", jam.newMaxima) & make_nvp("jamYielded", jam.yielded)
 		        & make_nvp("jamDeepest", jam.deepest);
 	}
 };
@@ -46,7 +49,7 @@ int firstNotFinite(const rcr::Step&);
 
 /// Saves the problem to a file. Returns a message about the body `id`, whose velocity is not
 /// finite, and the file. Calls Python (engine/contactDynamicsResults.cpp).
-std::string failureMessage(const rcr::Step&, int id, long iteration);
+std::string saveNotFinite(const rcr::Step&, int id, long iteration);
 
 /// Throws std::runtime_error if contacts have added more energy than T(v⁻) + T(v_free). These are
 /// the kinetic energies before the step and at its end without contacts. Steps with driven bodies

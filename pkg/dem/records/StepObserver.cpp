@@ -32,7 +32,7 @@ void StepObserver::setLastPositions(
 			intervals_.back().position[id] = *at;
 }
 
-void StepObserver::record(const Result& result, const std::vector<int>& ids, int interval,
+void StepObserver::record(const StepOutcome& outcome, const std::vector<int>& ids, int interval,
         const std::vector<rcr::Twist>& impulses, const rcr::Step& step, const SceneHandles& handles)
 {
 	const std::lock_guard<std::mutex> lock(mutex_);
@@ -41,26 +41,26 @@ void StepObserver::record(const Result& result, const std::vector<int>& ids, int
 		return step.bodies[id].center;
 	});
 	// the engine may be in another scene now
-	if (sums_.ids != ids || result.iteration <= sums_.iteration) {
+	if (sums_.ids != ids || outcome.iteration <= sums_.iteration) {
 		sums_     = {};
 		sums_.ids = ids;
 		for (int id : ids)
 			sums_.force[id] = {};
 	}
-	sums_.iteration = result.iteration;
+	sums_.iteration = outcome.iteration;
 	++sums_.steps;
-	sums_.iterations += result.iterations;
-	sums_.yielded += result.yielded;
-	sums_.residual = std::max(sums_.residual, result.residual);
-	if (result.missed) {
+	sums_.iterations += outcome.sweeps;
+	sums_.yielded += outcome.yielded;
+	sums_.residual = std::max(sums_.residual, outcome.residual);
+	if (outcome.missed) {
 		++sums_.missed;
-		sums_.ratioSum += result.toleranceRatio;
-		sums_.largestRatio = std::max(sums_.largestRatio, result.toleranceRatio);
+		sums_.ratioSum += outcome.toleranceRatio;
+		sums_.largestRatio = std::max(sums_.largestRatio, outcome.toleranceRatio);
 	}
 	for (auto& [id, sum] : sums_.force)
 		sum = sum + impulses[id] / step.dt;
 	if (interval == 0 || sums_.steps < interval) return;
-	intervals_.push_back({ std::exchange(sums_, {}), result, {}, false });
+	intervals_.push_back({ std::exchange(sums_, {}), outcome, {}, false });
 }
 
 py::dict StepObserver::takeMeans(const std::vector<int>& ids)
@@ -84,10 +84,10 @@ py::list StepObserver::takeIntervals(const Scene& scene)
 		py::dict entry = dictOf(interval->sums, interval->sums.ids), positions;
 		for (const auto& [id, at] : interval->position)
 			positions[id] = py::make_tuple(at.x, at.y);
-		entry["step"]            = interval->last.iteration;
-		entry["time"]            = interval->last.time;
+		entry["step"]            = interval->last.iteration + 1; // O.iter at its end
+		entry["time"]            = interval->last.endTime;
 		entry["points"]          = interval->last.points;
-		entry["last_iterations"] = interval->last.iterations;
+		entry["last_iterations"] = interval->last.sweeps;
 		entry["last_residual"]   = interval->last.residual;
 		entry["positions"]       = positions;
 		all.append(entry);

@@ -7,28 +7,19 @@
 #include <map>
 #include <optional>
 
+#include "dem/records/StepMonitor.hpp"
 #include "dem/transfer/gather.hpp"
 
 namespace yade {
 
 class StepObserver {
 public:
-	/// Results of one step.
-	struct Result {
-		long   iteration; // O.iter at its end
-		double time;      // O.time at its end [s]
-		int    iterations, points;
-		double residual;
-		bool   missed, yielded;
-		double toleranceRatio; // larger ratio of an error to its tolerance; 0 unless missed [-]
-	};
-
 	/// Throws std::invalid_argument if an id is not that of a body or clump of the scene.
 	static void check(const std::vector<int>& ids, const rcr::Step&, const SceneHandles&);
 
 	/// Adds a step. `interval`: number of steps per entry; 0: no entries. `impulses`: contact
 	/// impulse on each body [N s].
-	void record(const Result&, const std::vector<int>& ids, int interval,
+	void record(const StepOutcome&, const std::vector<int>& ids, int interval,
 	        const std::vector<rcr::Twist>& impulses, const rcr::Step&, const SceneHandles&);
 
 	/// Means since the last call.
@@ -49,7 +40,7 @@ private:
 
 	struct Interval {
 		Sums                     sums;
-		Result                   last; // its last step
+		StepOutcome              last; // its last step
 		std::map<int, rcr::Vec2> position; // at its end, by body [m]
 		bool                     placed = false; // positions are known: the next step has begun
 	};

@@ -89,7 +89,7 @@ ArraySteps::Motion ArraySteps::motionOf(const State& s)
 
 /// Property of the scene that requires YADE's engines; empty: none. Also collects the engines that
 /// exert forces.
-std::string ArraySteps::reason(
+std::string ArraySteps::sceneReason(
         const Scene& scene, const validation::Engines& engines, const rcr::Step& step)
 {
 	if (scene.isPeriodic) return "a periodic cell";
@@ -127,7 +127,7 @@ std::string ArraySteps::reason(
 
 /// Selects the synced bodies. Returns the reason for which bodies or contacts require YADE's
 /// engines; empty: none.
-std::string ArraySteps::selectSynced(const Scene& scene, const rcr::Step& step)
+std::string ArraySteps::bodiesReason(const Scene& scene, const rcr::Step& step)
 {
 	for (const rcr::StepContact& c : step.contacts)
 		if (c.body1 > c.body2 && step.bodies[c.body1].shape.kind == step.bodies[c.body2].shape.kind)
@@ -178,9 +178,9 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
         SceneHandles& handles, const std::vector<rcr::Twist>& impulses, rcr::Step& step)
 {
-	reason_ = active_ ? std::string() : reason(scene, engines, step);
+	reason_ = active_ ? std::string() : sceneReason(scene, engines, step);
 	if (reason_.empty()) reason_ = momentaryReason(scene);
-	if (reason_.empty() && !active_) reason_ = selectSynced(scene, step);
+	if (reason_.empty() && !active_) reason_ = bodiesReason(scene, step);
 	if (reason_.empty() && !active_) reason_ = strayForceReason(scene, isSynced_);
 	if (!reason_.empty()) return false;
 	const bool first = !active_;
@@ -312,8 +312,7 @@ void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engi
 			pair.pointCount = 0;
 			continue;
 		}
-		const auto law = coefficientsOf(scene, *engines.loop, pair.body1, pair.body2);
-		pair.friction = law.friction, pair.restitution = law.restitution;
+		setCoefficients(scene, *engines.loop, pair);
 		pair.formedAt = scene.iter;
 	}
 }

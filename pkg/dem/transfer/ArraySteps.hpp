@@ -8,7 +8,7 @@
 //
 // YADE's engines take the last step of a run, every 100th step, which updates YADE's objects, and
 // steps in which an engine is due that may read any object. They take all steps of scenes that the
-// arrays do not support (`reason`).
+// arrays do not support (`sceneReason`, `bodiesReason`).
 //
 // Obstacles and bodies that engines load or drive (kinematic engines, force engines, WallStress)
 // are synced: each step reads and writes YADE's objects of them.
@@ -46,9 +46,9 @@ private:
 	};
 
 	static Motion motionOf(const State&);
-	std::string   reason(const Scene&, const validation::Engines&, const rcr::Step&);
+	std::string   sceneReason(const Scene&, const validation::Engines&, const rcr::Step&);
+	std::string   bodiesReason(const Scene&, const rcr::Step&);
 	std::string   momentaryReason(const Scene&) const;
-	std::string   selectSynced(const Scene&, const rcr::Step&);
 	void          begin(rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
 	void          move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&,
 	                 const std::vector<rcr::Twist>& impulses, rcr::Step&);
@@ -56,7 +56,8 @@ private:
 	void          acceptNewContacts(Scene&, const validation::Engines&);
 
 	long                      count_ = 0, first_ = 0;
-	bool                      active_ = false; // YADE's objects are out of date since step first_
+	// YADE's objects are out of date since array step first_
+	bool                      active_ = false;
 	std::string               reason_;
 	// engines that exert forces, before and after the InteractionLoop
 	std::vector<Engine*>      enginesBefore_, enginesAfter_;

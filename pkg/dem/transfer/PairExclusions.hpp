@@ -20,7 +20,8 @@ public:
 	std::vector<Body::id_t> restartIfChanged(Scene&, Collider&);
 
 private:
-	using Properties = std::tuple<const Body*, mask_t, Body::id_t, bool>; // mask, clump, bounded
+	// body, mask, clump, bounded
+	using Properties = std::tuple<const Body*, mask_t, Body::id_t, bool>;
 
 	boost::weak_ptr<Factorable> collider_; // a pointer may repeat the address of a deleted one
 	mask_t                      avoided_ = 0;

@@ -1,8 +1,8 @@
 #include "dem/transfer/gather.hpp"
 
-#include "dem/transfer/MeanField.hpp"
-#include "dem/transfer/colliderBox.hpp"
+#include "dem/engine/CellStress.hpp"
 #include "dem/shapes/plane.hpp"
+#include "dem/transfer/colliderBox.hpp"
 #include "dem/transfer/prefetch.hpp"
 #include "kernel/problem/list_by_key.hpp"
 
@@ -11,12 +11,14 @@ namespace yade {
 namespace {
 
 	struct Gatherer {
-		Scene&                  scene_;
-		const NewtonIntegrator& newton_;
-		rcr::ThreadTeam&        team_;
-		SceneHandles&           handles_;
-		rcr::Step&              step_;
-		MeanField               field_;
+		Scene&                     scene_;
+		const validation::Engines& engines_;
+		rcr::ThreadTeam&           team_;
+		SceneHandles&              handles_;
+		rcr::Step&                 step_;
+		// terms that NewtonIntegrator adds to velocities in a cell: change of the mean field, and
+		// its convection
+		Matrix3r change_ = Matrix3r::Zero(), convection_ = Matrix3r::Zero();
 
 		void bodies()
 		{
@@ -24,7 +26,7 @@ namespace {
 			const std::size_t    count  = bodies.size();
 			step_.dt                    = double(scene_.dt);
 			step_.cell                  = plane::cellOf(scene_);
-			if (field_.periodic) step_.startFlow = plane::flowOf(field_.startGradient);
+			if (scene_.isPeriodic) setMeanFlow();
 			step_.problem.inverseMass.resize(count);
 			step_.problem.freeVelocity.resize(count);
 			step_.bodies.resize(count);
@@ -48,6 +50,18 @@ namespace {
 				        + step_.bodies[id].radius;
 				step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, radius);
 			}
+		}
+
+		/// Sets the terms of the mean field, and the flow from which overdamped bodies start.
+		void setMeanFlow()
+		{
+			const Cell&     cell     = *scene_.cell;
+			const Matrix3r& before   = engines_.integrator->prevVelGrad;
+			Matrix3r        gradient = plane::nextGradient(cell);
+			if (cell.homoDeform > 0) change_ = gradient - before;
+			if (cell.homoDeform > 1) convection_ = before;
+			if (engines_.cellStress) engines_.cellStress->clearStressedAxes(gradient);
+			step_.startFlow = plane::flowOf(gradient);
 		}
 
 		void gatherBody(Body::id_t id)
@@ -86,7 +100,7 @@ namespace {
 				body.free = s.blockedDOFs != State::DOF_ALL;
 				if (body.free) body.coveredPath = body.alertDistance;
 				handles_.mayLackContacts[id] = mayLackContacts(b, body);
-				move(b, s, body);
+				setFreeMotion(b, s, body);
 			}
 		}
 
@@ -113,9 +127,10 @@ namespace {
 
 		/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without
 		/// contacts.
-		void move(const Body& b, const State& s, rcr::StepBody& body)
+		void setFreeMotion(const Body& b, const State& s, rcr::StepBody& body)
 		{
-			if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) {
+			const NewtonIntegrator& newton = *engines_.integrator;
+			if (newton.mask > 0 && !b.maskCompatible(newton.mask)) {
 				body.velocity = {}; // the integrator does not move it
 				return;
 			}
@@ -125,10 +140,13 @@ namespace {
 				        = startVelocity(body.velocity, inertia, step_.startFlow.at(body.center));
 			rcr::Twist& v = step_.problem.freeVelocity[b.getId()];
 			v = rcr::accelerated(body.velocity, inertia, externalForce(b),
-			        plane::toPlane(newton_.gravity), step_.dt);
+			        plane::toPlane(newton.gravity), step_.dt);
 			step_.problem.inverseMass[b.getId()] = { inertia.x ? 1 / inertia.mass : 0,
 				inertia.y ? 1 / inertia.mass : 0, inertia.rotation ? 1 / inertia.moment : 0 };
-			if (field_.periodic) v = v + field_.velocityChange(s, step_.dt);
+			if (!scene_.isPeriodic) return;
+			const Vector3r mean = change_ * s.pos + Real(step_.dt) * (convection_ * s.vel);
+			v = v + rcr::Twist { double(mean[0]), double(mean[1]),
+				0.5 * double(change_(1, 0) - change_(0, 1)) };
 		}
 
 		/// Force and torque on a body, or on a clump and its members.
@@ -151,7 +169,7 @@ namespace {
 		SceneHandles::Contact contactOf(Interaction& i) const
 		{
 			const Body::id_t id1 = i.getId1(), id2 = i.getId2();
-			if (!i.functorCache.geomExists) validation::checkSupported(scene_, id1, id2);
+			if (!i.functorCache.geomExists) validation::refuseUnsupported(scene_, id1, id2);
 			if (!i.isReal()) return {};
 			CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
 			RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic()
@@ -189,7 +207,7 @@ namespace {
 			InteractionContainer& interactions = *scene_.interactions;
 			handles_.found.resize(interactions.size());
 			team_.forEach(handles_.found.size(), [&](int k) {
-				prefetchContact(interactions, handles_.found.size(), k);
+				prefetchContact(interactions, k);
 				handles_.found[k] = contactOf(*interactions[k]);
 			});
 			sort();
@@ -197,8 +215,8 @@ namespace {
 			int points = 0;
 			for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
 				const SceneHandles::Contact& source = handles_.sorted[k];
-				step_.contacts[k]            = { source.id1, source.id2, points, source.points,
-					           int(k), 0, 0, 0, {}, {} };
+				step_.contacts[k] = { source.id1, source.id2, points, source.points, int(k), 0, 0,
+					0, {}, {} };
 				points += source.points;
 			}
 			step_.resizePoints(points);
@@ -236,7 +254,7 @@ namespace {
 void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
         SceneHandles& handles, rcr::Step& step)
 {
-	Gatherer gatherer { scene, *engines.integrator, team, handles, step, { scene, engines } };
+	Gatherer gatherer { scene, engines, team, handles, step };
 	gatherer.bodies();
 	step.problem.inverseStretchMass = step.problem.stretchRate = {};
 	if (engines.cellStress) engines.cellStress->gatherCell(step);
@@ -246,7 +264,7 @@ void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& t
 void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
         const std::vector<Body::id_t>& ids, SceneHandles& handles, rcr::Step& step)
 {
-	Gatherer gatherer { scene, *engines.integrator, team, handles, step, { scene, engines } };
+	Gatherer gatherer { scene, engines, team, handles, step };
 	for (Body::id_t id : ids)
 		gatherer.gatherBody(id);
 }

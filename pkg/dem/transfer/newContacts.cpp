@@ -1,14 +1,16 @@
 #include "dem/transfer/newContacts.hpp"
 
+#include "kernel/detection/pairs.hpp"
 #include "kernel/detection/undetected_contacts.hpp"
 
 namespace yade {
 
-ContactCoefficients coefficientsOf(
-        Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2)
+template <class Contact>
+void setCoefficients(Scene& scene, const InteractionLoop& loop, Contact& contact)
 {
-	shared_ptr<Material>&one = (*scene.bodies)[id1]->material,
-	&two                     = (*scene.bodies)[id2]->material;
+	const Body::id_t      id1 = contact.body1, id2 = contact.body2;
+	shared_ptr<Material>& one = (*scene.bodies)[id1]->material;
+	shared_ptr<Material>& two = (*scene.bodies)[id2]->material;
 	const auto scratch = boost::make_shared<Interaction>(id1, id2);
 	bool       swap    = false;
 	loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
@@ -21,8 +23,11 @@ ContactCoefficients coefficientsOf(
 		        two->getClassName(),
 		        "; expected CdPhys: use Ip2_FrictMat_FrictMat_CdPhys for these materials.");
 	validation::checkPhys(*phys, id1, id2);
-	return { double(phys->tangensOfFrictionAngle), double(phys->restitution) };
+	contact.friction    = double(phys->tangensOfFrictionAngle);
+	contact.restitution = double(phys->restitution);
 }
+template void setCoefficients(Scene&, const InteractionLoop&, rcr::DetectedContact&);
+template void setCoefficients(Scene&, const InteractionLoop&, rcr::Pair&);
 
 bool allowsContact(Scene& scene, const validation::Engines& engines, Body::id_t id1, Body::id_t id2)
 {
@@ -32,7 +37,7 @@ bool allowsContact(Scene& scene, const validation::Engines& engines, Body::id_t 
 	bool       swap;
 	const bool supported
 	        = bool(engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap));
-	if (!supported) validation::checkSupported(scene, id1, id2);
+	if (!supported) validation::refuseUnsupported(scene, id1, id2);
 	return supported && dynamic_cast<const FrictMat*>(one.material.get())
 	        && dynamic_cast<const FrictMat*>(two.material.get());
 }
@@ -44,11 +49,8 @@ static rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines&
 
 static void addDetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
-	for (rcr::DetectedContact& detected : step.detected) {
-		if (detected.known) continue;
-		const auto law = coefficientsOf(scene, *engines.loop, detected.body1, detected.body2);
-		detected.friction = law.friction, detected.restitution = law.restitution;
-	}
+	for (rcr::DetectedContact& detected : step.detected)
+		if (!detected.known) setCoefficients(scene, *engines.loop, detected);
 	rcr::addDetectedContacts(step);
 }
 

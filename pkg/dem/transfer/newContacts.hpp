@@ -5,11 +5,9 @@
 
 namespace yade {
 
-struct ContactCoefficients {
-	double friction, restitution;
-};
-/// Friction and restitution of a new contact, by the Ip2 functor of the scene.
-ContactCoefficients coefficientsOf(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2);
+/// Sets friction and restitution of a new contact by the Ip2 functor of the scene. `Contact`:
+/// rcr::DetectedContact or rcr::Pair.
+template <class Contact> void setCoefficients(Scene&, const InteractionLoop&, Contact&);
 
 /// Returns true if the collider and the functors of the scene allow a contact of the two bodies.
 /// Throws if no Ig2 functor handles bodies that could overlap.
@@ -22,10 +20,10 @@ void addUnlistedContacts(Scene&, const validation::Engines&, const Engine& solve
         rcr::Step&);
 
 /// Finds undetected contacts of the solved step (kernel/detection/undetected_contacts.hpp). Returns
-/// false if none closes.
+/// true if a found contact closes.
 bool findUndetectedContacts(Scene&, const validation::Engines&, rcr::Step&);
 
-/// Finds undetected contacts and adds them to the problem. Returns false if none closes.
+/// Finds undetected contacts. If one closes, adds all to the problem and returns true.
 bool addUndetectedContacts(Scene&, const validation::Engines&, rcr::Step&);
 
 } // namespace yade

@@ -30,24 +30,24 @@ inline void prefetchBody(const Body* later)
 	prefetch<Rcr>(later->shape.get());
 }
 
-/// Prefetches later interactions and their contacts in a loop over interactions at index k.
-inline void prefetchContact(
-        const InteractionContainer& interactions, std::size_t count, std::size_t k)
+/// Prefetches later interactions and their contacts in a loop over interactions at index k. Returns
+/// false near the end of the loop.
+inline bool prefetchContact(InteractionContainer& interactions, std::size_t k)
 {
-	if (k + 2 * prefetchAhead >= count) return;
+	if (k + 2 * prefetchAhead >= interactions.size()) return false;
 	prefetch<Interaction>(interactions[k + 2 * prefetchAhead].get());
 	const Interaction& later = *interactions[k + prefetchAhead];
-	if (!later.isReal()) return;
-	prefetch<RcrGeom>(later.geom.get());
-	prefetch<CdPhys>(later.phys.get());
+	if (later.isReal()) {
+		prefetch<RcrGeom>(later.geom.get());
+		prefetch<CdPhys>(later.phys.get());
+	}
+	return true;
 }
 
 inline void prefetchPair(const Scene& scene, std::size_t k)
 {
-	const InteractionContainer& interactions = *scene.interactions;
-	const std::size_t           count        = scene.interactions->size();
-	if (k + 2 * prefetchAhead >= count) return;
-	prefetchContact(interactions, count, k);
+	InteractionContainer& interactions = *scene.interactions;
+	if (!prefetchContact(interactions, k)) return;
 	const BodyContainer& bodies = *scene.bodies;
 	const auto           both   = [&](std::size_t ahead, auto fetch) {
                 const Interaction& later = *interactions[k + ahead];

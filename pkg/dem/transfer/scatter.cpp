@@ -1,6 +1,5 @@
 #include "dem/transfer/scatter.hpp"
 
-#include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"
 #include "dem/shapes/plane.hpp"
 #include "dem/transfer/prefetch.hpp"
@@ -99,12 +98,13 @@ static void requestCollider(
 		const bool           late = imageStep > 0
 		        && double(scene.iter - bound->lastUpdateIter + 2) * imageStep
 		                > double(bound->sweepLength);
-		const bool leaves = late || bound->max[0] - bound->min[0] > widest ? true
-		        : b.shape.grain()
-		        ? grainLeavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
-		                step.dt, *bound)
-		        : rotatesOutOfBox(b, step.bodies[b.owner], step.problem.velocity[b.owner],
-		                step.dt, *bound);
+		const bool leaves = late || bound->max[0] - bound->min[0] > widest
+		        || (b.shape.grain()
+		                        ? grainLeavesBox(b,
+		                                handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
+		                                step.dt, *bound)
+		                        : rotatesOutOfBox(b, step.bodies[b.owner],
+		                                step.problem.velocity[b.owner], step.dt, *bound));
 		if (leaves) out.store(true, std::memory_order_relaxed);
 	});
 	if (out) scene.doSort = true;

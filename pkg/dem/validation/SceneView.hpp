@@ -7,7 +7,8 @@
 
 namespace yade::validation {
 
-enum Law { rigid = 1, smooth = 2, both = 3, neither = 4 };
+// The law of a scene. `any`: rules of scenes with rigid contacts, springs or both.
+enum Law { rigid = 1, smooth = 2, both = 3, any = rigid | smooth, neither = 4 };
 
 template <class Kind> bool isLive(const shared_ptr<Engine>& engine)
 {

@@ -1,6 +1,6 @@
 // Rules of validation on the periodic cell.
+#include "dem/engine/CellStress.hpp"
 #include "dem/validation/SceneView.hpp"
-#include "dem/transfer/MeanField.hpp"
 
 namespace yade::validation {
 
@@ -16,7 +16,7 @@ std::string wallsInCell(const View& v)
 std::string cellStress(const View& v)
 {
 	if (v.law == smooth && v.indexOf<CellStress>() >= 0)
-		return "CellStress presses the cell of ContactDynamics, and contacts are smooth; take "
+		return "CellStress presses the cell of ContactDynamics, and contacts are springs; take "
 		       "PeriTriaxController(dynCell=True).";
 	if (v.indexOf<CellStress>() >= 0 && !v.scene.isPeriodic)
 		return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), "
@@ -47,7 +47,7 @@ std::string velocityGradient(const View& v)
 std::string smallCell(const View& v)
 {
 	if (!v.scene.isPeriodic) return {};
-	// a quarter ends the process; the rest is a margin for a cell that shrinks
+	// YADE ends at half boxes of 0.25 cells; 0.24 leaves a margin for shrinking
 	constexpr Real most = 0.24;
 	const auto* collider = v.first<InsertionSortCollider>();
 	const Real     margin   = collider ? math::max(Real(0), collider->verletDist) : Real(0),

@@ -1,4 +1,4 @@
-// Errors in parallel loops of YADE, where an exception would end the process.
+// Errors of parallel loops, where an exception would end the process, and of YADE's run thread.
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@ static bool moves(const Engine& engine)
 /// Returns true if the engine adds forces, which last until the ForceResetter.
 static bool pushes(const Engine& engine)
 {
-	// a FieldApplier, too
+	// NewtonIntegrator derives from FieldApplier
 	if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false;
 	return dynamic_cast<const PartialEngine*>(&engine)
 	        || dynamic_cast<const FieldApplier*>(&engine)

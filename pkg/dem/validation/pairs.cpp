@@ -13,8 +13,8 @@ namespace {
 	/// Properties of a body that decide which bodies it could collide with.
 	struct Partner {
 		const Body* body;
-		bool        immovable; // loads and contacts do not move it, or it is a Wall or Facet
-		Body::id_t  clump;     // ID_NONE for a single body
+		bool        isBoundary; // fixed, or a Wall or Facet; two of them do not collide
+		Body::id_t  clump;      // ID_NONE for a single body
 	};
 
 	Partner partnerOf(const Body& b, const Scene& scene)
@@ -32,10 +32,10 @@ namespace {
 		return one.clump == two.clump && one.clump != Body::ID_NONE;
 	}
 
-	/// Returns true if YADE allows a contact and one of the bodies is movable.
+	/// Returns true if YADE allows a contact and the bodies are not both boundaries.
 	bool couldCollide(const Scene& scene, Collider* collider, const Partner& one, const Partner& two)
 	{
-		return collider && one.body != two.body && !(one.immovable && two.immovable)
+		return collider && one.body != two.body && !(one.isBoundary && two.isBoundary)
 		        && mayCollide(scene, *collider, one.body->getId(), two.body->getId());
 	}
 
@@ -171,7 +171,7 @@ std::string unsupportedPairs(const View& v)
 	for (const auto& b : *v.scene.bodies) {
 		if (!takesPart(b)) continue;
 		const Partner partner = partnerOf(*b, v.scene);
-		auto&       some  = kinds[{ b->shape->getClassIndex(), partner.immovable, b->groupMask }];
+		auto&       some  = kinds[{ b->shape->getClassIndex(), partner.isBoundary, b->groupMask }];
 		if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), partner)))
 			some.push_back(partner);
 	}
@@ -200,10 +200,10 @@ std::string unsupportedPairs(const View& v)
 	          "common bit.";
 }
 
-void checkSupported(const Scene& scene, Body::id_t id1, Body::id_t id2)
+void refuseUnsupported(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	const Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
-	if (partnerOf(one, scene).immovable && partnerOf(two, scene).immovable) return;
+	if (partnerOf(one, scene).isBoundary && partnerOf(two, scene).isBoundary) return;
 	const std::string functor = functorFor(one.shape->getClassName(), two.shape->getClassName());
 	refuse("no Ig2 functor of the InteractionLoop handles ", shapesOf(one, two),
 	        ", so they would pass through each other. ",

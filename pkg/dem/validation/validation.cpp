@@ -40,11 +40,10 @@ namespace {
 		        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors)
 		        ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
 		        : "Ip2_FrictMat_FrictMat_CdPhys";
-		return std::string("O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth "
-		                   "law, with ")
+		return std::string("O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack (springs) with ")
 		        + with
-		        + ". Smooth contacts need Ip2_FrictMat_FrictMat_FrictPhys, this law and no "
-		          "ContactDynamics; rigid ones "
+		        + ". Springs need Ip2_FrictMat_FrictMat_FrictPhys, this law and no "
+		          "ContactDynamics; rigid contacts "
 		          "Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb and "
 		          "ContactDynamics before the NewtonIntegrator.";
 	}
@@ -95,16 +94,15 @@ namespace {
 			const std::string name = functor->getClassName(),
 			                  pair = name.substr(0, name.rfind('_'));
 			return name + " makes contacts that "
-			        + (v.law == rigid ? "ContactDynamics does"
-			                          : "Law2_RcrGeom_FrictPhys_CundallStrack does")
-			        + " not solve; take "
+			        + (v.law == rigid ? "ContactDynamics" : "Law2_RcrGeom_FrictPhys_CundallStrack")
+			        + " does not solve; take "
 			        + (pair.rfind("Ig2_", 0) == 0 ? pair + "_RcrGeom" : "an Ig2_…_RcrGeom")
 			        + " instead.";
 		}
 		return {};
 	}
 
-	/// A row of the table: a rule for scenes with these laws.
+	/// A row of the table: a rule for scenes with one of these laws.
 	struct Rule {
 		int laws;
 		std::string (*message)(const View&);
@@ -114,43 +112,43 @@ namespace {
 	const Rule rules[] = {
 		{ neither, noLaw },
 		{ both,    mixedLaws },
-		{ both,    [](const View& v) { return missing<NewtonIntegrator>(v, "NewtonIntegrator", "so nothing would move; append NewtonIntegrator(damping=0)."); } },
-		{ both,    [](const View& v) { return missing<InteractionLoop>(v, "InteractionLoop", "so there are no contacts; put one after the collider."); } },
-		{ both,    [](const View& v) { return missing<Collider>(v, "collider", "so no bodies would meet; put InsertionSortCollider([Bo1_Rcr_Aabb(), …]) before the InteractionLoop."); } },
-		{ both,    [](const View& v) { return missing<ForceResetter>(v, "ForceResetter", "so forces would add up from step to step; put ForceResetter() first."); } },
+		{ any,     [](const View& v) { return missing<NewtonIntegrator>(v, "NewtonIntegrator", "so nothing would move; append NewtonIntegrator(damping=0)."); } },
+		{ any,     [](const View& v) { return missing<InteractionLoop>(v, "InteractionLoop", "so there are no contacts; put one after the collider."); } },
+		{ any,     [](const View& v) { return missing<Collider>(v, "collider", "so no bodies would meet; put InsertionSortCollider([Bo1_Rcr_Aabb(), …]) before the InteractionLoop."); } },
+		{ any,     [](const View& v) { return missing<ForceResetter>(v, "ForceResetter", "so forces would add up from step to step; put ForceResetter() first."); } },
 		{ rigid,   [](const View& v) { return missingSolver(v.scene); } },
-		{ both,    [](const View& v) { return twice<NewtonIntegrator>(v, "NewtonIntegrator"); } },
-		{ both,    [](const View& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
-		{ both,    [](const View& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
-		{ both,    [](const View& v) { return twice<Collider>(v, "the collider"); } },
-		{ both,    [](const View& v) { return twice<CellStress>(v, "CellStress"); } },
-		{ both,    [](const View& v) { return order<ForceResetter, InteractionLoop>(v, "the ForceResetter stands after the InteractionLoop, so it would take its forces away; put it first."); } },
-		{ both,    [](const View& v) { return order<Collider, InteractionLoop>(v, "the collider stands after the InteractionLoop; put it before."); } },
+		{ any,     [](const View& v) { return twice<NewtonIntegrator>(v, "NewtonIntegrator"); } },
+		{ any,     [](const View& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
+		{ any,     [](const View& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
+		{ any,     [](const View& v) { return twice<Collider>(v, "the collider"); } },
+		{ any,     [](const View& v) { return twice<CellStress>(v, "CellStress"); } },
+		{ any,     [](const View& v) { return order<ForceResetter, InteractionLoop>(v, "the ForceResetter stands after the InteractionLoop, so it would take its forces away; put it first."); } },
+		{ any,     [](const View& v) { return order<Collider, InteractionLoop>(v, "the collider stands after the InteractionLoop; put it before."); } },
 		{ rigid,   [](const View& v) { return order<InteractionLoop, ContactDynamics>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
 		{ rigid,   [](const View& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 		{ smooth,  [](const View& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 		{ rigid,   loadAfterSolver },
-		{ both,    loadWithoutEffect },
+		{ any,     loadWithoutEffect },
 		{ rigid,   servoBeforeIntegrator },
-		{ both,    timeStep },
-		{ both,    attributeErrors },
-		{ both,    cellStress },
+		{ any,     timeStep },
+		{ any,     attributeErrors },
+		{ any,     cellStress },
 		{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
-		{ both,    finiteMotion },
+		{ any,     finiteMotion },
 		{ rigid,   integrator },
 		{ rigid,   timeStepper },
 		{ smooth,  firstTimeStep },
-		{ both,    wallsInCell },
-		{ both,    bounds },
+		{ any,     wallsInCell },
+		{ any,     bounds },
 		{ rigid,   rigidFunctors },
 		{ smooth,  smoothFunctors },
-		{ both,    foreignGeometry },
-		{ both,    materials },
-		{ both,    velocityGradient },
-		{ both,    smallCell },
-		{ both,    invalidBodies },
-		{ both,    obstaclesOutOfPlane },
-		{ both,    unsupportedPairs },
+		{ any,     foreignGeometry },
+		{ any,     materials },
+		{ any,     velocityGradient },
+		{ any,     smallCell },
+		{ any,     invalidBodies },
+		{ any,     obstaclesOutOfPlane },
+		{ any,     unsupportedPairs },
 	};
 	// clang-format on
 
@@ -206,7 +204,7 @@ std::string missingSolver(const Scene& scene)
 	        "InteractionLoop and the NewtonIntegrator.");
 }
 
-bool usesRcrClasses(const Scene& scene) { return View(scene).law != neither; }
+bool usesRcrLaw(const Scene& scene) { return View(scene).law != neither; }
 
 void replaceSphereBounds(const Scene& scene)
 {

@@ -3,9 +3,9 @@
 //
 // validation.cpp holds the table of rules. Python evaluates it when a run starts. ContactDynamics
 // evaluates it when engines, the number of bodies or PairExclusions change. Ig2 functors evaluate
-// it for a new contact. ContactDynamics also checks the time step, the integrator and the cell in
-// each step; gather checks each body. Each message has the given value, the expected value and a
-// remedy.
+// it for the first new contact after a change of engines, functors or the number of bodies, once
+// per thread. ContactDynamics also checks the time step, the integrator and the cell in each step;
+// gather checks each body. Each message has the given value, the expected value and a remedy.
 #pragma once
 
 #include "kernel/geometry/planar_shape.hpp"
@@ -66,7 +66,8 @@ void relistPairs(Scene&);
 /// Message if rigid contacts have no active ContactDynamics; else empty.
 std::string missingSolver(const Scene&);
 
-bool usesRcrClasses(const Scene&); // a law of rcr
+/// Returns true if the scene holds a law, ContactDynamics or Ip2 of rcr.
+bool usesRcrLaw(const Scene&);
 
 /// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs;
 /// bodies that overlap by more than 1 % of R₁ + R₂ before their first step; a drag on Rcrs, which
@@ -124,8 +125,9 @@ Real planeOf(const Scene&); // height z of the grains; NaN without grains
 /// all are valid. The `shape` of a clump is none.
 std::string bodyError(const Body&, const rcr::PlanarShape& shape, Real z);
 
-/// Throws if no Ig2 functor handles a pair of bodies that could overlap.
-void checkSupported(const Scene&, Body::id_t id1, Body::id_t id2);
+/// Throws that no Ig2 functor handles the pair, unless both bodies are boundaries: fixed bodies,
+/// Walls or Facets.
+void refuseUnsupported(const Scene&, Body::id_t id1, Body::id_t id2);
 /// Throws if friction or restitution of a contact are invalid.
 void checkPhys(const CdPhys&, Body::id_t id1, Body::id_t id2);
 

@@ -7,7 +7,7 @@ import numpy as np
 from rcr._data import checks, files
 
 LEFT, BOTTOM, RIGHT, TOP, OTHER = -1, -2, -3, -4, -5  # ids of obstacles; body #k is OTHER − k
-CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)  # types of contacts
+CAP_CAP, CAP_SIDE, SIDE_SIDE, OBSTACLE = range(4)  # types of contacts
 
 SHAPES = dict(
     particles=dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(),
@@ -105,6 +105,7 @@ def _of_contacts(c, ids):
         ("body2", (two < 0) | np.isin(two, ids),
          "the id of a particle, or a negative one of an obstacle"),
         ("body2", one != two, "another body than body 1"),
-        ("type", (kind >= CAP_CAP) & (kind <= WALL), "0 to 3"),
-        ("type", (kind == WALL) == (two < 0), f"{WALL} for an obstacle as body 2, and only there"),
+        ("type", (kind >= CAP_CAP) & (kind <= OBSTACLE), "0 to 3"),
+        ("type", (kind == OBSTACLE) == (two < 0),
+         f"{OBSTACLE} for an obstacle as body 2, and only there"),
         ("points", np.isin(c["points"], (1, 2)), "1 or 2")]

@@ -74,10 +74,10 @@ def result_suffix(path):
     return _suffix(path, (".npz", ".h5"))
 
 
-def npz(save, **arrays):
-    """Return the bytes of a NumPy archive, written by the function `save`."""
+def npz(writer, **arrays):
+    """Return the bytes of a NumPy archive, written by the function `writer`."""
     image = io.BytesIO()
-    save(image, **arrays)
+    writer(image, **arrays)
     return image.getvalue()
 
 

@@ -6,7 +6,7 @@ the long axis [rad], ``half_length`` and ``cap_radius`` (N,) [m]. A disc has the
 
 import numpy as np
 
-STRIPS = 20_000  # vertical strips of a union; the relative error of its area is about 1e-6
+UNION_STRIPS = 20_000  # vertical strips of a union; the relative error of its area is about 1e-6
 
 
 def areas(grains):
@@ -39,7 +39,7 @@ def polygons(grains, points=12):
     return np.stack([z.real, z.imag], axis=-1) + grains["position"][:, None]
 
 
-def union(grains, strips=STRIPS):
+def union(grains, strips=UNION_STRIPS):
     """Return area [m²], centroid (2,) [m] and polar moment about it [m⁴] of the union of grains.
 
     The integral is exact along y and follows the midpoint rule along x.

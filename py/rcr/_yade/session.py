@@ -1,7 +1,8 @@
 """Checks of the scene before ``O.run``, ``O.step`` and ``O.bodies.erase``, and clean ends of runs.
 
 pkg/dem/validation holds the rules that reject a scene. This module adds warnings about suspicious
-scenes. Scenes without classes of rcr are not checked.
+scenes. Scenes without classes of rcr are not checked. `refuse_unknown_attributes` rejects
+misspelt attributes of these classes.
 """
 
 import difflib
@@ -25,8 +26,8 @@ def guard():
         return
     container = type(Omega().bodies)
     container.erase = _checked_erase(container.erase)
-    Omega.run = _guarded(_responsive(Omega.run))
-    Omega.step = _guarded(Omega.step)
+    Omega.run = _guarded(_raising(_responsive(Omega.run)))
+    Omega.step = _guarded(_raising(Omega.step))
     Omega.pause = _after_step(Omega.pause)
     Omega.wait = _raising(_after_step(Omega.wait))
 
@@ -40,7 +41,7 @@ def _guarded(method):
             raise ValueError("rcr: " + error)
         _advise(omega)
         _plugin.take_error()
-        return _raising(method)(omega, *arguments, **keywords)
+        return method(omega, *arguments, **keywords)
 
     return run
 

@@ -3,7 +3,7 @@
 Grains have radii in [R_min, 2 R_min], uniform in volume fraction. `rcr.study.protocol` has the
 units and all constants. The time step is a fixed share of t₀, since no stiffness bounds it.
 
-With the smooth law the packing is compacted with rigid contacts too. Springs replace them at the
+With `law` smooth, the packing is compacted with rigid contacts too. Springs replace them at the
 start of the shear, and the time step is a fixed share of `rcr.critical_time_step`.
 """
 
@@ -15,7 +15,7 @@ from yade.wrapper import Omega
 
 import rcr
 from rcr._data import results
-from rcr.study import checkpoint, compaction, shear
+from rcr.study import checkpoint, compaction, shear as shearing
 from rcr.study.protocol import FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_parameters
 from rcr.study.records import COUNTERS, Springs, make_records
 from rcr.study.summary import summarize
@@ -100,15 +100,15 @@ class Biaxial:
             return self.progress["unbalance_initial"]
         return self.solver.unbalancedForce
 
-    def sample_inertia(self, strain=None):
-        """Return the inertia of the sample along its width and height, now or at a strain.
+    def sample_inertia(self):
+        """Return the present inertia of the sample along its width and height.
 
         ρ (ε̇ W)²/σ₀ and ρ (ε̇ h)²/σ₀ [-], with ε̇ = v/h and the speed v of the top wall. In the
         homogeneous flow u = ε̇ (x, −y), with v and the area constant, a point accelerates by
         2 ε̇² x and not along y: the fixed side wall carries ρ (ε̇ W)² more than the free one.
         """
-        width, height = shear.box(self, strain)
-        rate = shear.top_speed(self, strain) / height
+        width, height = shearing.box(self)
+        rate = shearing.top_speed(self) / height
         density = PROTOCOL.density * self.packing_fraction
         stress = PROTOCOL.confining_stress
         return tuple(density * (rate * length) ** 2 / stress for length in (width, height))
@@ -150,14 +150,14 @@ class Biaxial:
         """
         while self.progress["phase"] != "shear":
             if compaction.compact(self, balanced):
-                shear.start(self)
+                shearing.start(self)
             report(self)
 
     @property
     def strain_per_record(self):
         """Strain of a record after the ramp [-]."""
         duration = self.steps_per_record * O.dt
-        return shear.top_speed(self) * duration / self.progress["first_height"]
+        return shearing.top_speed(self) * duration / self.progress["first_height"]
 
     def shear_record(self):
         """Shear by one record; see `shear`."""
@@ -166,11 +166,6 @@ class Biaxial:
     def has_reached(self, strain):
         """Return whether the test is at a strain, or at most half a record before it."""
         return self.strain >= strain - HALF_RECORD
-
-    def shear_to(self, strain):
-        """Shear by single records up to a strain."""
-        while not self.has_reached(strain):
-            self.shear_record()
 
     def step(self, count, times=1):
         """Make `times` intervals of `count` steps; set `records` and `mean_stresses`."""
@@ -204,6 +199,6 @@ class Biaxial:
         self.progress.update(divisor=divisor, failed_strain=failed, wall_seconds=seconds,
                              repeated=self.progress["repeated"] + 1)
 
-    summary, save = summarize, checkpoint.save
-    switch_to_springs, steps_per_record = shear.switch_to_springs, property(shear.steps_per_record)
-    shear = shear.shear
+    summary, save, shear = summarize, checkpoint.save, shearing.shear
+    switch_to_springs = shearing.switch_to_springs
+    steps_per_record = property(shearing.steps_per_record)

@@ -88,7 +88,7 @@ def _engines(walls, parameters):
 
 
 def relaxation_interval(solver):
-    """Return the number of relaxation steps of one length; one while the unbalance is large."""
+    """Return the number of steps per time step length; 1 at large unbalance."""
     smooth = solver.unbalancedForce < PROTOCOL.rough_unbalance
     return PROTOCOL.relaxation_steps if smooth else 1
 

@@ -20,7 +20,7 @@ from rcr.study import statistics
 
 POWER_RANGE = 0.01  # least force of the fit of β over the mean; the tolerance hides smaller forces
 SLACK = 0.01  # of the ranges of ℓ_r and ℓ/R_max, which overlaps and gaps exceed
-STRIPS = 5  # vertical strips from wall to wall
+SAMPLE_STRIPS = 5  # vertical strips from wall to wall
 NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
 AXES = ("off_axis", "theta_sigma")  # angles with the period π
 
@@ -51,7 +51,7 @@ class Grids:
             force=np.append(np.geomspace(1e-3, 1, 25), np.arange(1.25, top + 0.125, 0.25)),
             mobilization=np.linspace(0, 1, 21), reduced_length=1 + 0.01 * np.arange(-steps, 1),
             length=np.arange(np.floor(least / 0.05 + 1e-9), 41) * 0.05,
-            theta=np.linspace(0, np.pi, 37), strip=np.linspace(0, 1, STRIPS + 1),
+            theta=np.linspace(0, np.pi, 37), strip=np.linspace(0, 1, SAMPLE_STRIPS + 1),
             strain=np.linspace(0, strain, 201), xi=np.append(np.arange(0, min(8, top), 0.05), top),
             xi_polar=np.array([0.5, 1, 2, top]))
 
@@ -133,7 +133,7 @@ def force_by_length(e, grids):
 def angular_function(e, grids, value, form):
     """Return means of a column of contacts by the direction of their normals, and their fit.
 
-    They are the function (ξ, θ) and the mean and amplitude (ξ,) of the fit: mean + amplitude
+    Returns the means (ξ, θ), then mean and amplitude (ξ,) of the fit: mean + amplitude
     cos 2(θ − θσ) if `form` is np.cos, or amplitude sin 2(θ − θσ) if it is np.sin; NaN without any
     contact.
     """

@@ -69,7 +69,7 @@ class Protocol:
     record_strain: float = 1e-3  # strain of a record of the history [-]
     fraction_ratios: tuple = (0.5, 1.5)  # packing fraction over its first value; beyond: blown up
 
-    # Smooth law
+    # Springs (law smooth)
     stiffness: float = 1e3  # k_n [σ₀]: mean overlaps of about 1e-3 d
     shear_stiffness: float = 0.8  # k_s over k_n [-]
     viscous_damping: float = 0.3  # damping ratio along normals [-]; the shear has no other damping
@@ -112,12 +112,15 @@ def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e
     parameter out of its range, or two that exclude each other.
     """
     parameters = dict(locals())
+    from rcr import _kernel
+
     if iterations is None:
         small = _checked("particles", particles) <= PROTOCOL.small_particles
         parameters["iterations"] = PROTOCOL.small_iterations if small else PROTOCOL.iterations
     for name in _RANGES:
         parameters[name] = _checked(name, parameters[name])
     checks.choice("law", law, ("cd", "smooth"))
+    checks.choice("solver", solver, _kernel.solver_names())
     _check_combination(parameters)
     return parameters
 
@@ -146,12 +149,7 @@ def _checked(name, value):
 
 
 def _check_combination(parameters):
-    """Raise ValueError for an unknown solver and for parameters that exclude each other."""
-    from rcr import _kernel
-
-    solver, names = parameters["solver"], _kernel.solver_names()
-    if solver not in names:
-        raise ValueError(f"solver {solver!r} is not known; expected one of {', '.join(names)}")
+    """Raise ValueError for parameters that exclude each other."""
     law, strain = parameters["law"], parameters["inertial_number"] * parameters["time_step"]
     if law == "cd" and strain > PROTOCOL.record_strain:
         expected = f"at most {PROTOCOL.record_strain:g}, the strain of a record"

@@ -21,7 +21,7 @@ HISTORY_COLUMNS = (
 
 
 class Springs:
-    """Stand-in for `ContactDynamics` under the smooth law."""
+    """Stand-in for `ContactDynamics` in scenes with springs."""
 
     threads = 0
 

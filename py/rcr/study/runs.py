@@ -28,7 +28,7 @@ class Yielded(typing.NamedTuple):
     steps: int
     marked: int  # records with a step without a solution
     records: int  # all records
-    networks: int  # those that end a marked record
+    networks: int  # those at the end of a marked record
     included: bool  # whether they enter the means
 
 

@@ -72,14 +72,13 @@ def switch_to_springs(test, stiffness):
     test.solver = Springs()
 
 
-def is_approaching(test, strain=None):
-    """Return whether the test, now or at a strain, has not reached the strain `approach`."""
-    strain = test.strain if strain is None else strain
-    return strain < test.parameters["approach"] - HALF_RECORD
+def is_approaching(test):
+    """Return whether the test has not reached the strain `approach`."""
+    return test.strain < test.parameters["approach"] - HALF_RECORD
 
 
-def rate_and_step(test, strain=None):
-    """Return I and dt/t₀ of the shear, now or at a strain.
+def rate_and_step(test):
+    """Return the present I and dt/t₀ of the shear.
 
     Up to the strain `approach` they are those of quick shear. Beyond it I falls exponentially with
     the strain to its final value, which is lowered where the inertia of the sample would exceed its
@@ -88,17 +87,17 @@ def rate_and_step(test, strain=None):
     given, step = test.parameters["inertial_number"], test.parameters["time_step"]
     quick = max(given, PROTOCOL.quick_inertial_number)
     shortest = min(step, PROTOCOL.quick_time_step)
-    if is_approaching(test, strain):
+    if is_approaching(test):
         return quick, shortest / test.progress["divisor"]
-    slow = min(given, largest_rate(test, strain))
-    rate = slow * (quick / slow) ** (1 - _slowed(test, strain))
+    slow = min(given, largest_rate(test))
+    rate = slow * (quick / slow) ** (1 - _slowed(test))
     step = min(max(step * given / rate, shortest), step)
     return rate, step / test.progress["divisor"]
 
 
-def _slowed(test, strain=None):
+def _slowed(test):
     """Return how far the rate has fallen beyond the strain `approach`, from 0 to 1."""
-    beyond = (test.strain if strain is None else strain) - test.parameters["approach"]
+    beyond = test.strain - test.parameters["approach"]
     return min(1, max(0, beyond) / PROTOCOL.slowing_strain) if test.parameters["approach"] else 1
 
 
@@ -117,9 +116,9 @@ def box(test, strain=None):
     return test.area / (test.packing_fraction * height), height
 
 
-def top_speed(test, strain=None):
-    """Return the speed of the top wall, now or at a strain, after the ramp [m/s]."""
-    return rate_and_step(test, strain)[0] / test.time_unit * test.progress["first_height"]
+def top_speed(test):
+    """Return the present speed of the top wall after the ramp [m/s]."""
+    return rate_and_step(test)[0] / test.time_unit * test.progress["first_height"]
 
 
 def steps_per_record(test):
@@ -146,13 +145,12 @@ def _records_at_this_speed(test, most):
 
 
 def shear(test, records, end=1):
-    """Shear by a number of records, each of 0.1 % of strain and with a row of the history.
+    """Shear by at most `records` records, each of 0.1 % of strain and with a row of the history.
 
     The shear stops at the first record, of this call, at which the test has reached the strain
-    `end`.
-    Records with equal wall speed and time step are one run of YADE, since each run reads all
-    bodies once. The results are those of one run per record, to the bit. A packing that has blown
-    up raises a RuntimeError.
+    `end`. Records with equal wall speed and time step are one run of YADE, since each run reads
+    all bodies once. The results are those of one run per record, to the bit. A packing that has
+    blown up raises a RuntimeError.
     """
     solver, top = test.solver, O.bodies[test.top].state
     while records > 0:

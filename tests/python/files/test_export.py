@@ -10,7 +10,7 @@ pytest.importorskip("matplotlib")
 
 from rcr import export
 from rcr._pictures import grain_colors
-from rcr.export import KINDS, VtkSeries, vtk
+from rcr.export import OBSTACLE_KINDS, VtkSeries, vtk
 from rcr.frame import Frame
 
 from common import refused
@@ -79,7 +79,7 @@ def test_obstacles(tmp_path):
     obstacles = meshio.read(vtk(tmp_path / "o.vtm", frame)[2])
     lines, quads = (obstacles.points[obstacles.cells_dict[kind]][..., :2]
                     for kind in ("line", "quad"))
-    kinds = [[KINDS[k] for k in column] for column in obstacles.cell_data["kind"]]
+    kinds = [[OBSTACLE_KINDS[k] for k in column] for column in obstacles.cell_data["kind"]]
     assert kinds == [["facet", "wall", "cell", "cell", "cell", "cell"], ["box"]]
     assert [list(column) for column in obstacles.cell_data["id"]] == [[8, 9, -1, -1, -1, -1], [7]]
     assert np.linalg.norm(lines[0, 1] - lines[0, 0]) == pytest.approx(5)

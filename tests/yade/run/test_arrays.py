@@ -236,8 +236,9 @@ def test_same_bits_as_the_engines(scene, least, fewest):
     """At least this share of the steps in arrays, and more than the fewest contacts."""
     expected, by_engines = after(scene, False)
     found, in_arrays = after(scene, True)
-    assert by_engines["arrays"] == 0 and by_engines["engines"] == "ContactDynamics.arrays = False"
-    assert in_arrays["arrays"] > least * STEPS and len(expected[3]) > fewest
+    assert by_engines["array_steps"] == 0
+    assert by_engines["engines"] == "ContactDynamics.arrays = False"
+    assert in_arrays["array_steps"] > least * STEPS and len(expected[3]) > fewest
     assert same(found, expected)
 
 
@@ -258,7 +259,7 @@ def test_same_bits_in_the_long_run(scene, tmp_path):
     for threads in (1, 2, 4):
         for lanes in (1, 4, 8):  # 8 take 16 floats at a time
             found, model = after(scene, True, count, threads=threads, lanes=lanes)
-            assert (model["arrays"] > 0.8 * count) == (scene is not cell)
+            assert (model["array_steps"] > 0.8 * count) == (scene is not cell)
             assert same(found, expected), (threads, lanes)
     found, _ = after(scene, True, count, tmp_path / "half.xml.gz", threads=2)
     assert same(found, expected)
@@ -318,7 +319,7 @@ def test_the_model_has_the_reason_for_steps_of_engines(change, reason):
     change()
     O.run(20, True)
     O.trackEnergy = False
-    assert (solver().model["arrays"], solver().model["engines"]) == (0, reason)
+    assert (solver().model["array_steps"], solver().model["engines"]) == (0, reason)
 
 
 def least_in_arrays(count):
@@ -367,7 +368,7 @@ def test_a_history_is_kept_without_a_stop():
         expected.append(seen)
     long = observed(ids, 20)
     O.run(110, True)
-    assert long.model["arrays"] >= least_in_arrays(110) and long.observed()["steps"] == 10
+    assert long.model["array_steps"] >= least_in_arrays(110) and long.observed()["steps"] == 10
     assert long.observations() == expected
     assert long.observations() == []
 
@@ -376,7 +377,7 @@ def test_advance_is_one_run():
     """advance makes one run: pieces of 0.2 s would each gather all bodies. An engine may end it."""
     pressed()
     assert rcr.advance(300)
-    assert O.iter == 300 and solver().model["arrays"] >= least_in_arrays(300)
+    assert O.iter == 300 and solver().model["array_steps"] >= least_in_arrays(300)
     shown = []
     assert rcr.advance(100, until=lambda: shown.append(O.iter) or O.iter >= 360, every=20)
     assert shown == [320, 340, 360] and O.iter == 360
@@ -399,7 +400,7 @@ def test_arrays_count_steps_and_speed_as_yade_does(monkeypatch):
     O.run(290, True)
     rate = 290 / (time.monotonic() - began)
     assert [engine.execCount for engine in O.engines] == [290] * len(O.engines)
-    assert solver().model["arrays"] >= least_in_arrays(290)
+    assert solver().model["array_steps"] >= least_in_arrays(290)
     assert O.speed > 0.01 * rate  # without a count of steps in arrays, YADE's rate is 1 or less
 
 

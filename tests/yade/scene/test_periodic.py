@@ -183,7 +183,7 @@ def test_problems_of_a_deforming_cell_are_not_saved(tmp_path):
     (lambda: pressed(rcr.disc((1, 1), 0.3), size=None, stress=(1, 1)),
      "CellStress has no cell to press"),
     (lambda: (scene("smooth", rcr.disc((1, 1), 0.3)), pressed(stress=(1, 1))),
-     "contacts are smooth; take PeriTriaxController"),
+     "contacts are springs; take PeriTriaxController"),
 ])  # fmt: skip
 def test_faults_of_a_cell(fault, match):
     scene("rigid", rcr.particle((0.3, 1), 0.3, 0.5, material=material()))

@@ -25,7 +25,7 @@ REFUSED = [
         (f"--out {__file__}", "expected a folder for the results"),
         ("--friction -1", "friction = -1.0; expected a coefficient ≥ 0"),
         ("--strain 2", "--strain 2.0: expected 0 < strain < 1"),
-        ("--solver magic", "solver 'magic' is not known"),
+        ("--solver magic", "solver = 'magic'; expected one of"),
         ("--resume", "nothing to resume"))),
     *(("chart.py", "--quick " + arguments, message) for arguments, message in (
         ("--only x", "--only x: say which chart it is of"),

@@ -1,6 +1,6 @@
 """The figures of the paper, drawn from the analysis. Needs NumPy and Matplotlib.
 
-`draw` makes the figure of an observable. Each ``plot_…(value, ax=None)`` takes the value of an
+`draw` makes the figure of an observable. Each ``plot_…(value, ax)`` takes the value of an
 observable, as `rcr.study.analysis.analyse` or analysis.json gives it, draws all elongations into
 the Axes and returns them. Colour and marker of an elongation, and the colour of a cutoff ξ, are
 the same in all figures.
@@ -17,9 +17,7 @@ from rcr.study.figures.curves import (
     plot_length_pdf, plot_mobilization, plot_mobilization_by_force, plot_mobilization_pdf,
     plot_shear_stress, plot_strain, plot_strength, plot_strips, plot_xi,
 )  # fmt: skip
-from rcr.study.figures.plot_style import (  # noqa: F401  public names
-    color, column, eta_legend, legend_outside, marker,
-)  # fmt: skip
+from rcr.study.figures.plot_style import column, eta_legend, legend_outside
 from rcr.study.figures.polar import (
     plot_contact_directions, plot_isotropy, plot_vector_directions, polar_row,
 )  # fmt: skip

@@ -7,7 +7,7 @@ import matplotlib.ticker
 import numpy as np
 from matplotlib.lines import Line2D
 
-from rcr.study.figures.plot_style import column, color, error_of, make_axes, marker
+from rcr.study.figures.plot_style import column, color, error_of, marker
 
 XI_MAX = 6  # end of the ξ axes; few forces are larger
 MIN_DENSITY = 1e-4  # lower densities come from single contacts
@@ -27,7 +27,6 @@ def _draw_points(value, x, y, ax, line="", least=-np.inf, **style):
         seen = row > least
         ax.plot(column(value, x)[seen], row[seen], line, marker=marker(eta), color=color(eta),
                 mew=0, label=rf"$\eta = {eta:g}$", **style)
-    return ax
 
 
 def _draw_by_eta(value, name, ax, label=None, style="k", mark="o", **options):
@@ -35,12 +34,10 @@ def _draw_by_eta(value, name, ax, label=None, style="k", mark="o", **options):
     ax.errorbar(column(value, "eta"), column(value, name), error_of(value, name), color=style,
                 marker=mark, lw=0.8, label=label, **options)
     ax.set_xlabel(r"$\eta$")
-    return ax
 
 
-def plot_strain(value, ax=None):
+def plot_strain(value, ax):
     """Draw sin φ against the strain [O1]."""
-    ax = make_axes(ax)
     for eta, row in zip(value["eta"], column(value, "sin_phi_strain")):
         ax.plot(column(value, "strain"), row, color=color(eta), lw=0.8, label=rf"$\eta = {eta:g}$")
     ax.set(xlabel=r"strain $\varepsilon$", ylabel=r"$\sin\varphi = q/p$",
@@ -48,9 +45,8 @@ def plot_strain(value, ax=None):
     return ax
 
 
-def plot_strength(value, ax=None):
+def plot_strength(value, ax):
     """Draw sin φ of the critical state against η, with the paper's line [O1]."""
-    ax = make_axes(ax)
     line = np.array([0, 0.7])
     ax.plot(line, 0.3 + 0.3 * line, color="0.5", ls="--", label=r"paper: $0.30 + 0.30\,\eta$")
     _draw_by_eta(value, "sin_phi", ax, label="critical state")
@@ -60,8 +56,8 @@ def plot_strength(value, ax=None):
 
 
 def _plot_forces(value, ax, suffix, exponent, place, **axes):
-    """Draw P(f), with an exponent against η inset; return Axes and inset."""
-    ax, name = make_axes(ax), f"f_{suffix}"
+    """Draw P(f), with an exponent against η inset; return the inset."""
+    name = f"f_{suffix}"
     bare = name if suffix == "n" else f"|{name}|"
     _draw_points(value, name, "pdf", ax, least=MIN_DENSITY, ms=2.5)
     ax.set(xlabel=rf"${bare}/\langle {bare}\rangle$", ylabel=rf"$P({name})$", yscale="log", **axes)
@@ -70,34 +66,34 @@ def _plot_forces(value, ax, suffix, exponent, place, **axes):
     inset.set_ylabel(rf"$\{exponent}_{suffix}$", labelpad=1, fontsize=8)
     inset.set_xlabel(r"$\eta$", labelpad=0, fontsize=8)
     inset.tick_params(labelsize=6.5)
-    return ax, inset
+    return inset
 
 
-def plot_force_tail(value, ax=None, suffix="n"):
+def plot_force_tail(value, ax, suffix="n"):
     """Draw P(f) in log-linear scales, with α(η) inset [O3, O4]."""
     limits = dict(xlim=(0, 10), ylim=(MIN_DENSITY, 30))
-    return _plot_forces(value, ax, suffix, "alpha", (0.57, 0.6, 0.4, 0.37), **limits)[0]
+    _plot_forces(value, ax, suffix, "alpha", (0.57, 0.6, 0.4, 0.37), **limits)
+    return ax
 
 
-def plot_force_power(value, ax=None, suffix="n"):
+def plot_force_power(value, ax, suffix="n"):
     """Draw P(f) in log-log scales, with β(η) inset, and as + from f = 0.1 ⟨f⟩ on [O3, O4]."""
     limits = dict(xlim=(1e-3, 20), ylim=(MIN_DENSITY, 300 if suffix == "t" else 100))
     place = (0.2, 0.18, 0.4, 0.37)
-    ax, inset = _plot_forces(value, ax, suffix, "beta", place, xscale="log", **limits)
+    inset = _plot_forces(value, ax, suffix, "beta", place, xscale="log", **limits)
     inset.plot(value["eta"], column(value, f"beta_{suffix}_tenth"), "k+", ms=3, mew=0.6)
     return ax
 
 
-def plot_mobilization(value, ax=None):
+def plot_mobilization(value, ax):
     """Draw I_M(η) [O5]."""
-    ax = _draw_by_eta(value, "friction_mobilization", make_axes(ax))
+    _draw_by_eta(value, "friction_mobilization", ax)
     ax.set(ylabel=r"$I_M$", ylim=(0, 1))
     return ax
 
 
-def plot_coordination(value, ax=None):
+def plot_coordination(value, ax):
     """Draw Z and Z_c of the isotropic packings against η, with the isostatic numbers [O2]."""
-    ax = make_axes(ax)
     for count in (4, 6):
         ax.axhline(count, color="0.8", lw=0.8)
     ax.plot(value["eta"], column(value, "coordination_number"), "ks-", ms=4, lw=0.8, label="$Z$")
@@ -108,9 +104,8 @@ def plot_coordination(value, ax=None):
     return ax
 
 
-def plot_strips(value, ax=None, name="strip_force", symbol=r"\langle f_n\rangle"):
+def plot_strips(value, ax, name="strip_force", symbol=r"\langle f_n\rangle"):
     """Draw a mean of vertical strips from wall to wall, over that of the sample [O6]."""
-    ax = make_axes(ax)
     ax.axhspan(0.9, 1.1, color="0.92", lw=0)
     for eta, row, error in zip(value["eta"], column(value, name), error_of(value, name)):
         ax.errorbar(column(value, "strip"), row, error, color=color(eta), marker=marker(eta), ms=3,
@@ -120,16 +115,16 @@ def plot_strips(value, ax=None, name="strip_force", symbol=r"\langle f_n\rangle"
     return ax
 
 
-def plot_mobilization_by_force(value, ax=None):
+def plot_mobilization_by_force(value, ax):
     """Draw I_mf(f_n) [O7]."""
-    ax = _draw_points(value, "f_n", "i_mf", make_axes(ax), line="-", ms=2.5, lw=0.6)
+    _draw_points(value, "f_n", "i_mf", ax, line="-", ms=2.5, lw=0.6)
     ax.set(xlabel=r"$f_n/\langle f_n\rangle$", ylabel=r"$I_{mf}$", xlim=(0, XI_MAX), ylim=(0, 1))
     return ax
 
 
-def plot_mobilization_pdf(value, ax=None):
+def plot_mobilization_pdf(value, ax):
     """Draw P(I_m) [O8]."""
-    ax = _draw_points(value, "i_m", "pdf", make_axes(ax), line="-", ms=2.5, lw=0.6)
+    _draw_points(value, "i_m", "pdf", ax, line="-", ms=2.5, lw=0.6)
     ax.set(xlabel=r"$I_m$", ylabel=r"$P(I_m)$", xlim=(0, 1), yscale="log")
     ax.yaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
     ax.yaxis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:g}"))
@@ -137,9 +132,8 @@ def plot_mobilization_pdf(value, ax=None):
     return ax
 
 
-def plot_length_pdf(value, ax=None):
+def plot_length_pdf(value, ax):
     """Draw P(ℓ_r) of each elongation, except discs, where ℓ_r is 1 [O10]."""
-    ax = make_axes(ax)
     for eta, row in zip(value["eta"], column(value, "pdf")):
         seen = column(value, "l_r") > 1 - eta
         if eta > 0:
@@ -150,9 +144,8 @@ def plot_length_pdf(value, ax=None):
     return ax
 
 
-def plot_correlation(value, ax=None):
+def plot_correlation(value, ax):
     """Draw Pearson coefficients of force and branch length against η [O12]."""
-    ax = make_axes(ax)
     ax.axhline(0, color="0.7", lw=0.6)
     _draw_by_eta(value, "c_f_lr", ax, label=r"$C_{f\ell_r}$")
     _draw_by_eta(value, "c_f_l", ax, label=r"$C_{f\ell}$", style="tab:red", mark="s")
@@ -161,9 +154,8 @@ def plot_correlation(value, ax=None):
     return ax
 
 
-def plot_force_by_length(value, ax=None, length="l_r"):
+def plot_force_by_length(value, ax, length="l_r"):
     """Draw the mean force of bins of ℓ_r or ℓ [O13]."""
-    ax = make_axes(ax)
     ax.axhline(1, color="0.7", lw=0.6)
     _draw_points(value, length, f"f_{length}", ax, line="-", ms=2, lw=0.6)
     label, symbol = (r"\ell_r", r"\ell_r") if length == "l_r" else (r"\ell/R_{\max}", r"\ell")
@@ -172,18 +164,16 @@ def plot_force_by_length(value, ax=None, length="l_r"):
     return ax
 
 
-def plot_xi(value, name, symbol, ax=None):
+def plot_xi(value, name, symbol, ax):
     """Draw a function of ξ for every elongation [O15 to O17]."""
-    ax = make_axes(ax)
     ax.axhline(0, color="0.7", lw=0.6)
     _draw_curves(value, name, ax)
     ax.set(xlabel=r"$\xi$", ylabel=symbol, xlim=(0, XI_MAX))
     return ax
 
 
-def plot_shear_stress(value, ax=None):
+def plot_shear_stress(value, ax):
     """Draw q(ξ)/p as lines, half-sums of the anisotropies as markers [O18]."""
-    ax = make_axes(ax)
     ax.axhline(0, color="0.7", lw=0.6)
     _draw_curves(value, "q_over_p", ax)
     for eta, row in zip(value["eta"], column(value, "half_sum")):

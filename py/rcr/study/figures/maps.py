@@ -1,8 +1,8 @@
 """Maps of one network: grains, forces, friction mobilisation, orientations, contact types.
 
 Each map is a few collections: 13 000 grains take seconds and are vectors in a PDF. Each
-``plot_…(network, ax=None)`` returns the Axes; `draw` makes the figure of an observable. Needs NumPy
-and Matplotlib.
+``plot_…(network)`` returns Axes of a new figure with room for a legend; `draw` adds the legend of
+an observable. Needs NumPy and Matplotlib.
 """
 
 import matplotlib
@@ -18,13 +18,15 @@ from rcr.frame import Frame
 from rcr.network import SIDE_SIDE
 
 
-def _canvas(network, ax):
+FOOT = 0.45  # height of the legend [in]
+
+
+def _canvas(network):
     """Return the network as a frame, within its periodic cell, and Axes with its extent."""
     frame = Frame.of(network)
     for columns in frame.grains, frame.contacts:
         columns["position"] = columns["position"] + frame.wrap(columns["position"])
-    limits = frame.extent()
-    return frame, drawing.page(limits) if ax is None else drawing.canvas(limits, ax)
+    return frame, drawing.page(frame.extent(), FOOT)
 
 
 def _grains(frame, ax, colors, edge="0.5"):
@@ -44,17 +46,17 @@ def _grey(frame):
     return np.where(bearing, GRAIN, RATTLER)
 
 
-def plot_packing(network, ax=None):
+def plot_packing(network):
     """Draw grains coloured by the orientation of their long axes, discs grey [O2]."""
-    frame, ax = _canvas(network, ax)
+    frame, ax = _canvas(network)
     long = frame.grains["half_length"][:, None] > 0
     _grains(frame, ax, np.where(long, _orientation_colors(frame), to_rgba(GRAIN)), "0.2")
     return ax
 
 
-def plot_mobilization(network, ax=None):
+def plot_mobilization(network):
     """Draw normal forces as thickness of segments, I_m as diameter of discs [O6]."""
-    frame, ax = _canvas(network, ax)
+    frame, ax = _canvas(network)
     _grains(frame, ax, _grey(frame))
     _forces(frame, ax)
     size = 0.5 * frame.mean_radius() * np.minimum(network.friction_mobilization(), 1)
@@ -71,9 +73,9 @@ def _orientation_colors(frame):
     return matplotlib.colormaps["hsv"]((frame.grains["angle"] % np.pi) / np.pi)
 
 
-def plot_nematic(network, ax=None):
+def plot_nematic(network):
     """Draw forces, and grains with a side-side contact coloured by their orientation [O9]."""
-    frame, ax = _canvas(network, ax)
+    frame, ax = _canvas(network)
     chained = frame.per_grain(frame.contacts["type"] == SIDE_SIDE) > 0
     grey = to_rgba_array(_grey(frame))
     _grains(frame, ax, np.where(chained[:, None], _orientation_colors(frame), grey))
@@ -81,9 +83,9 @@ def plot_nematic(network, ax=None):
     return ax
 
 
-def plot_types(network, ax=None):
+def plot_types(network):
     """Draw centre-to-contact segments coloured by contact type [O11]."""
-    frame, ax = _canvas(network, ax)
+    frame, ax = _canvas(network)
     _grains(frame, ax, _grey(frame))
     lines, types = frame.segments(), np.where(frame.between_grains, frame.contacts["type"], -1)
     for code, tint in enumerate(TYPES.values()):
@@ -110,8 +112,7 @@ def draw(observable, network):
     plot, keys, oriented = MAPS[observable]
     eta = float(network.attributes["eta"])
     with matplotlib.rc_context(STYLE):
-        ax = plot(network, drawing.page(Frame.of(network).extent(), foot=0.45))
-        figure = ax.figure
+        figure = plot(network).figure
         height = figure.get_figheight()
         figure.text(0.01, 0.2 / height, rf"$\eta = {eta:g}$", va="center", fontsize=9)
         if oriented and eta > 0:

@@ -2,9 +2,7 @@
 
 import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 
-from rcr._pictures.drawing import COLUMN
 from rcr.study.claims.paper import ETAS
 
 MARKERS = "osD^v<>p"
@@ -23,13 +21,6 @@ def marker(eta):
 def xi_color(k, count):
     """Return the colour of the k-th of `count` cutoffs ξ."""
     return matplotlib.colormaps["inferno"](0.85 * k / max(count - 1, 1))
-
-
-def make_axes(ax, **options):
-    """Return the Axes, or those of a new figure if `ax` is None."""
-    if ax is not None:
-        return ax
-    return Figure(figsize=(COLUMN, 0.82 * COLUMN), layout="constrained").add_subplot(**options)
 
 
 def column(value, name):

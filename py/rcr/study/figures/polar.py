@@ -7,7 +7,7 @@ import matplotlib.ticker
 import numpy as np
 
 from rcr.study.claims.paper import POLAR_ETA, nearest
-from rcr.study.figures.plot_style import MARKERS, column, color, make_axes, xi_color
+from rcr.study.figures.plot_style import MARKERS, column, color, xi_color
 
 
 def xi_label(value, xi, name):
@@ -16,13 +16,12 @@ def xi_label(value, xi, name):
     return r"$\xi = \infty$" if xi == top else rf"$\xi = {xi:g}$"
 
 
-def plot_polar(theta, rows, fits, labels, ax=None):
+def plot_polar(theta, rows, fits, labels, ax):
     """Draw angular functions of period π and their fits as polar curves.
 
     `rows` (K, T) has a function of `theta` (T,) in [0, π) for each ξ, `fits` the fit of each, a
     function of an angle [rad]. Open markers are the sizes of negative values.
     """
-    ax = make_axes(ax, projection="polar")
     circle, dense = np.concatenate([theta, theta + np.pi]), np.linspace(0, 2 * np.pi, 361)
     for k, (row, fit, label) in enumerate(zip(rows, fits, labels)):
         tint, around = xi_color(k, len(rows)), np.tile(row, 2)
@@ -55,7 +54,7 @@ def polar_row(value):
     return list(value["eta"]).index(nearest(value["eta"], [POLAR_ETA])[0])
 
 
-def plot_contact_directions(value, ax=None):
+def plot_contact_directions(value, ax):
     """Draw P(θ, ξ) with its Fourier fit (1 + a cos 2(θ − θ_c))/π [O14]."""
     row = polar_row(value)
     sigma = column(value, "theta_sigma")[row]
@@ -69,7 +68,7 @@ def plot_contact_directions(value, ax=None):
     return plot_polar(column(value, "theta"), column(value, "pdf")[row], fits, labels, ax)
 
 
-def plot_vector_directions(value, name, sigma, ax=None):
+def plot_vector_directions(value, name, sigma, ax):
     """Draw a normal (…_n) or tangential (…_t) mean by direction, and its fit [O16, O17]."""
     row = polar_row(value)
     amplitudes = column(value, f"{name}_amplitude")[row]
@@ -82,9 +81,8 @@ def plot_vector_directions(value, name, sigma, ax=None):
     return plot_polar(column(value, "theta"), column(value, name)[row], fits, labels, ax)
 
 
-def plot_isotropy(value, ax=None):
+def plot_isotropy(value, ax):
     """Draw P(θ) of every elongation after compaction, and the circle 1/π [O2]."""
-    ax = make_axes(ax, projection="polar")
     theta = column(value, "theta")
     for eta, row in zip(value["eta"], column(value, "pdf")):
         closed = np.append(np.tile(row, 2), row[0])
