@@ -69,7 +69,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 			const UnbalancedForce unbalanced = unbalancedForceOf(step_);
 			unbalancedForce = unbalanced.mean, largestUnbalancedForce = unbalanced.largest;
 			if (scene->trackEnergy)
-				energy.enter(*scene->energy, step_, impulses,
+				energy.enterLast(*scene->energy, step_, impulses,
 				        plane::toPlane(engines.integrator->gravity));
 			scatter(*scene, team, impulses, handles_, step_);
 		});
@@ -124,7 +124,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		throw std::runtime_error(saveNotFinite(step_, id, scene->iter));
 	checkStretch(step_, scene->iter);
 	timed("correct", [&] {
-		rcr::correctPositions(step_, double(correction), workspace_);
+		rcr::computeCorrection(step_, double(correction), workspace_);
 		if (!largeDisplacements_) return;
 		const double overlap = rcr::separate(step_, correction > 0 && !yielded);
 		if (overlap > rcr::JamDetector::jamOverlap) converged = false;
@@ -175,8 +175,8 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 	if (overdamped) return PassOutcome::consistent;
 	return timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
-		if (yielded && rcr::limitRestitution(step_, nextIsLast))
-			return PassOutcome::restitutionLimited;
+		if (yielded && rcr::lowerRestitutionOfYielded(step_, nextIsLast))
+			return PassOutcome::restitutionLowered;
 		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored;
 		// restoring these biases helps only if no body is driven
 		if (pass == 1 && driveSpeed == 0) firstBiases = rcr::biases(step_.problem);

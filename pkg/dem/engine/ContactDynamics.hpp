@@ -109,7 +109,7 @@ public:
 private:
 	// Result of a pass. All outcomes but `consistent` require a further pass.
 	enum class PassOutcome {
-		consistent, undetectedContact, restitutionLimited, biasesRestored, biasChanged
+		consistent, undetectedContact, restitutionLowered, biasesRestored, biasChanged
 	};
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }

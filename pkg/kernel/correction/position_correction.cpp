@@ -20,7 +20,7 @@ void setRecoveryBias(Step& step, double beta, ThreadTeam& team)
 	        [&](std::size_t k) { step.problem.recoveryBias[k] = recoveryBias(step, k, beta); });
 }
 
-void correctPositions(Step& step, double beta, Workspace& workspace)
+void computeCorrection(Step& step, double beta, Workspace& workspace)
 {
 	if (beta == 0 || step.overdamped) return;
 	if (std::none_of(step.gap.begin(), step.gap.end(),

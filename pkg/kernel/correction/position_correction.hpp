@@ -18,7 +18,7 @@ namespace rcr {
 
 /// Computes step.displacement and step.strain, once per step. They stay empty and 0 if no overlap
 /// exceeds the slop, for β = 0, and in overdamped steps. The workspace must hold the solved step.
-void correctPositions(Step&, double beta, Workspace&);
+void computeCorrection(Step&, double beta, Workspace&);
 
 /// Computes problem.recoveryBias: the biases with which yielding contacts remove the fraction β of
 /// their overlaps beyond the slop.

@@ -22,7 +22,7 @@ static Manifold segmentContact(const PlanarShape& segment, const Pose& body,
 	Manifold result = shadowOverlap(stadiumOf(segment), segmentPose(segment, body),
 	        stadiumOf(grain), at, maxGap);
 	result.sortAlong(at.axis);
-	result.type = ContactType::wall;
+	result.type = ContactType::obstacle;
 	return result;
 }
 

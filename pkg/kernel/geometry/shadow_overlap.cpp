@@ -233,7 +233,7 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 Manifold shadowOverlap(const HalfPlane& wall, const Stadium& s, const Pose& at, double maxGap)
 {
 	Manifold result;
-	result.type = ContactType::wall;
+	result.type = ContactType::obstacle;
 	for (double end : { -s.halfLength, s.halfLength }) {
 		const Vec2   core = at.center + end * at.axis;
 		const double gap  = dot(core - wall.origin, wall.normal) - s.capRadius;
@@ -264,7 +264,7 @@ Manifold shadowOverlap(
 		facing[k].normal   = toPlane(facing[k].normal);
 	}
 	Manifold result = manifold(facing, count, 0, s.capRadius, maxGap, at.axis);
-	result.type     = ContactType::wall;
+	result.type     = ContactType::obstacle;
 	return result;
 }
 

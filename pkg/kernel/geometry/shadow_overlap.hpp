@@ -24,7 +24,7 @@
 
 namespace rcr {
 
-enum class ContactType { capCap = 0, capSide = 1, sideSide = 2, wall = 3 };
+enum class ContactType { capCap = 0, capSide = 1, sideSide = 2, obstacle = 3 };
 
 struct ManifoldPoint {
 	Vec2   position;

@@ -4,8 +4,8 @@
 //   T⁺ − T⁻ = Σ p · ½ (u⁻ + u⁺) − Σ p · d + external work      exact for any impulses
 //
 // d is the velocity of the periodic image of body 2 relative to the body. The tangential part is
-// friction, the normal part impact. Prescribed degrees of freedom take or supply a part of this
-// work. Source: Moreau 1999; Kane and Levinson 1985.
+// friction unless restitution reverses the slip; the rest is impact. Prescribed degrees of freedom
+// take or supply a part of this work. Source: Moreau 1999; Kane and Levinson 1985.
 #pragma once
 
 #include "step/step.hpp"

@@ -83,7 +83,7 @@ bool lowerPairRestitution(Step& step)
 	return changed;
 }
 
-bool limitRestitution(Step& step, bool plastic)
+bool lowerRestitutionOfYielded(Step& step, bool plastic)
 {
 	bool lowered = false;
 	for (const StepContact& contact : step.contacts) {

@@ -27,7 +27,7 @@ bool lowerPairRestitution(Step&);
 
 /// In a step without a solution, limits restitution to the solved velocity of each point;
 /// `plastic`: removes it. Returns true if a bias changed.
-bool limitRestitution(Step&, bool plastic);
+bool lowerRestitutionOfYielded(Step&, bool plastic);
 
 /// Removes all restitution. Without it, no step adds energy.
 void removeRestitution(Step&);

@@ -14,7 +14,7 @@ ROUNDING = 1e-13  # some operations on lengths of order 1
 PAIRS = 100_000
 ALERT = 0.05
 TILTS = [0, 1e-15, 1e-9, 1e-6, 1e-3, 1e-2]
-CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)
+CAP_CAP, CAP_SIDE, SIDE_SIDE, OBSTACLE = range(4)
 
 
 # ---- poses
@@ -324,7 +324,7 @@ def test_wall_contacts_each_cap():
     gap = np.take_along_axis(gap, order, 1)
     ends = np.take_along_axis(ends, order[:, :, None], 1)
     seen = gap <= ALERT
-    assert (found["count"] == seen.sum(axis=1)).all() and (found["type"][seen[:, 0]] == WALL).all()
+    assert (found["count"] == seen.sum(axis=1)).all() and (found["type"][seen[:, 0]] == OBSTACLE).all()
     assert np.abs(found["gap"] - gap)[seen].max() < ROUNDING
     middle = ends - (stadium[:, 1:] + gap / 2)[:, :, None] * normal[:, None]
     assert np.abs(found["position"] - middle)[seen].max() < ROUNDING
@@ -384,7 +384,7 @@ def test_box_gap_is_the_signed_distance(seed):
 def test_box_one_case_per_branch(pose, gaps, xs):
     """Stadium (0.5, 0.5) and the box |x| ≤ 2, |y| ≤ 1."""
     found = _kernel.overlap_box([(2, 1)], [(0, 0, 0)], [(0.5, 0.5)], [pose], ALERT)
-    assert found["count"][0] == len(gaps) and found["type"][0] == WALL
+    assert found["count"][0] == len(gaps) and found["type"][0] == OBSTACLE
     # the gap at the corner is a Taylor expansion
     assert found["gap"][0, : len(gaps)] == pytest.approx(gaps, abs=1e-6)
     assert found["position"][0, : len(gaps), 0] == pytest.approx(xs, abs=1e-3)

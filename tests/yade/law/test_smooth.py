@@ -241,7 +241,7 @@ def test_mixed_laws(change, name):
     """The message names the class that does not fit, and no contact forms, in a run too."""
     on_floor(0, height=0.0999)
     change(O.engines[2])
-    mixed = f"O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack (springs) with {name}"
+    mixed = rf"O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack \(springs\) with {name}"
     for step in (O.step, lambda: O.run(1000, wait=True)):
         refused(mixed, step)
     assert O.interactions.countReal() == 0 and O.iter <= 2
