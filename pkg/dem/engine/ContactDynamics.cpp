@@ -28,7 +28,7 @@ void ContactDynamics::action()
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();
 		stepThread_ = std::this_thread::get_id();
-		workspace_.team().run(solverThreads(), [&] { runStep(engines); });
+		workspace_.team().run(solverThreads(), [&] { runSteps(engines); });
 		validator_.recordNextStep(*scene);
 	} catch (const std::exception& error) {
 		rememberError(error.what());
@@ -36,9 +36,8 @@ void ContactDynamics::action()
 	}
 }
 
-/// Solves this step, and all following steps in arrays until an engine or a setting requires YADE's
-/// objects.
-void ContactDynamics::runStep(const validation::Engines& engines)
+/// Solves this step, and up to 100 following steps in arrays until one requires YADE's objects.
+void ContactDynamics::runSteps(const validation::Engines& engines)
 {
 	if (scene->iter == 0) energy = {}; // of another scene
 	rcr::ThreadTeam& team  = workspace_.team();
@@ -55,7 +54,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 		do {
 			solveStep(engines);
 			impulses = contactImpulses(step_);
-			record(impulses);
+			observeStep(impulses);
 			advanced = timed("arrays", [&] {
 				return arrays
 				        && arraySteps_->advance(*scene, engines, team, handles_, impulses, step_);
@@ -77,7 +76,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 		arraySteps_->writeBack(*scene, team, handles_, step_);
 		throw;
 	}
-	timed("gather", [&] { sortInteractions(*scene, handles_); });
+	timed("sort", [&] { sortInteractions(*scene, handles_); });
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
@@ -90,7 +89,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	work_       = 0;
 	largeDisplacements_ = false;
 	if (tracksStretch())
-		timed("biasUpdate", [&] {
+		timed("meanStretch", [&] {
 			rcr::removeDragImpulses(step_, { double(stretchChange[0]), double(stretchChange[1]) });
 		});
 	rcr::YieldBounds bounds = rcr::yieldBoundsOf(step_, workspace_.team());
@@ -100,6 +99,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	PassOutcome         outcome = PassOutcome::consistent;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
 		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
+		// a solution exists, so no contact may yield
 		if (rcr::restIsSolution(step_, bounds.driveSpeed)) passSettings.yielding.compliance = 0;
 		solvePass(passSettings);
 		if (last) {
@@ -130,8 +130,8 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		if (overlap > rcr::JamDetector::jamOverlap) converged = false;
 		if (!converged) checkEnergy(step_, scene->iter);
 	});
-	countStep();
-	if (tracksStretch()) timed("biasUpdate", [&] { updateMeanStretch(); });
+	monitorStep();
+	if (tracksStretch()) timed("meanStretch", [&] { updateMeanStretch(); });
 }
 
 void ContactDynamics::solvePass(const rcr::Settings& passSettings)
@@ -154,7 +154,7 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 	converged      = report.converged;
 	yielded        = report.yielded;
 	contactPoints  = int(step_.problem.points.size());
-	timed("scatter", [&] {
+	timed("forces", [&] {
 		step_.setMemberVelocities();
 		step_.updateGradient(stretchBefore);
 		step_.computeForces(workspace_.team());

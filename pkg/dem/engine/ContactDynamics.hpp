@@ -4,13 +4,13 @@
 //   0 ≤ u_n + b_n ⟂ p_n ≥ 0               u = J v⁺: relative velocity of a point [m/s]; p: impulse [N s]
 //   |p_t| ≤ µ p_n, opposite to sliding
 //
-// A step runs these stages:
+// Stages of a step, on arrays (kernel/step/step.hpp) from `gather` to `scatter`:
 //
-//   gather → [ solve → review ] repeated → correct positions → monitor → record → scatter
+//   gather → [ solve → review ] repeated → compute correction → monitor → observe → scatter
 //
-// The stages between gather and scatter work on arrays (kernel/step/step.hpp). If no engine reads
-// YADE's objects, ArraySteps advances from record to the next solve without them. NewtonIntegrator
-// moves the bodies by the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
+// A review detects contacts anew and adapts biases. `scatter` adds the forces p/dt and displaces
+// bodies by the correction. NewtonIntegrator moves them. While no engine needs YADE's objects, one
+// action takes up to 100 steps in arrays (ArraySteps). Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
 #include <thread>
@@ -118,17 +118,17 @@ private:
 	rcr::Settings settingsOfFirstPass(const rcr::YieldBounds&);
 	rcr::Settings settingsOfNextPass(rcr::Settings first, PassOutcome) const;
 	void          setHomoDeform(bool gatherAddsFlow);
-	void          runStep(const validation::Engines&);
+	void          runSteps(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
 	void          solvePass(const rcr::Settings&);
 	StepOutcome   stepOutcome() const;
-	void          countStep();
+	void          monitorStep();
 	PassOutcome   reviewPass(
 	          const validation::Engines&, int pass, double driveSpeed, std::vector<double>&);
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setStartFlow();
 	void          updateMeanStretch();
-	void          record(const std::vector<rcr::Twist>& impulses);
+	void          observeStep(const std::vector<rcr::Twist>& impulses);
 
 	validation::Validator        validator_;
 	rcr::Step                    step_; // the last step

@@ -17,7 +17,7 @@ StepOutcome ContactDynamics::stepOutcome() const
 }
 
 /// Counts the step with its overlap at the beginning. Throws the error of a jam.
-void ContactDynamics::countStep()
+void ContactDynamics::monitorStep()
 {
 	const double                      overlap = deepestOverlap(step_, workspace_.team());
 	const std::lock_guard<std::mutex> lock(attributesMutex_);
@@ -25,7 +25,7 @@ void ContactDynamics::countStep()
 	if (!warning.empty()) LOG_WARN(warning);
 }
 
-void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)
+void ContactDynamics::observeStep(const std::vector<rcr::Twist>& impulses)
 {
 	const std::vector<int> ids = get<&ContactDynamics::observe>();
 	StepObserver::check(ids, step_, handles_);

@@ -35,8 +35,11 @@ Manifold contactPoints(const PlanarShape& one, const Pose& at1, const PlanarShap
 			return shadowOverlap(Rectangle { { one.halfLength, one.halfWidth } }, at1,
 			        stadiumOf(two), at2, maxGap);
 		case PlanarShape::segment: return segmentContact(one, at1, two, at2, maxGap);
-		default: return shadowOverlap(stadiumOf(one), at1, stadiumOf(two), at2, maxGap);
+		case PlanarShape::none:
+		case PlanarShape::disc:
+		case PlanarShape::stadium: break;
 	}
+	return shadowOverlap(stadiumOf(one), at1, stadiumOf(two), at2, maxGap);
 }
 
 } // namespace rcr

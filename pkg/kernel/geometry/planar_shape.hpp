@@ -40,8 +40,10 @@ struct PlanarShape {
 			case stadium: return halfLength + halfWidth;
 			case box: return norm(Vec2 { halfLength, halfWidth });
 			case segment: return norm(offset) + halfLength;
-			default: return 0;
+			case none:
+			case wall: break;
 		}
+		return 0;
 	}
 
 	/// Circumscribed radius of a grain [m]; 0 for an obstacle.

@@ -2,7 +2,8 @@
 //
 // After a large displacement, the gap differs from the gap in the bias, and restitution may add
 // energy. The biases are then adapted and the step is solved again. The adapted problem may have no
-// solution. The biases of the first solve are then restored, unless a body is driven.
+// solution. The biases of the first
+// solve are then restored, unless a body is driven or the step got a new contact.
 #pragma once
 
 #include "step/step.hpp"

@@ -29,8 +29,8 @@ def test_checkpoint(tmp_path):
         assert sum(float(row["share"]) for row in engines) == pytest.approx(1)
         parts = {row["engine"].removeprefix("ContactDynamics: "): float(row["ms"]) for row in rows
                  if row not in engines}
-        assert set(parts) == {"gather", "layout", "solve", "scatter", "undetectedContacts",
-                              "biasUpdate", "correct", "arrays", "writeBack"}
+        assert set(parts) == {"gather", "layout", "solve", "forces", "undetectedContacts",
+                              "biasUpdate", "correct", "arrays", "writeBack", "scatter", "sort"}
         assert sum(parts.values()) <= float(engines[ENGINES.index("ContactDynamics")]["ms"])
         assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"],
                 whole["threads"]) == ("scene", "20", "0.5", "7", "2")

@@ -1,4 +1,4 @@
-"""Statements of Azéma and Radjaï on force chains in packings of elongated particles.
+"""Observables of the analysis, and what Azéma and Radjaï state about them.
 
 Values and trends come from the text, since the data of the figures are not available.
 """
