@@ -80,13 +80,12 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
-/// an undetected contact closes, or if a bias or restitution must change. The pass after restored
-/// biases is the last one. The last pass is accepted, but the step has not converged if an
-/// undetected contact closes.
+/// an undetected contact closes, or if a bias or restitution must change. The last pass is accepted,
+/// but the step has not converged if an undetected contact closes.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
-	iterations  = 0;
-	work_       = 0;
+	iterations          = 0;
+	work_               = 0;
 	largeDisplacements_ = false;
 	if (tracksStretch())
 		timed("meanStretch", [&] {
@@ -94,22 +93,18 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		});
 	rcr::YieldBounds bounds = rcr::yieldBoundsOf(step_, workspace_.team());
 	rcr::Settings    first = settingsOfFirstPass(bounds), passSettings = first;
-	// biases of the first pass, restored if contacts yield with changed ones; empty: none saved
-	std::vector<double> firstBiases;
-	PassOutcome         outcome = PassOutcome::consistent;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
-		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
 		// a solution exists, so no contact may yield
 		if (rcr::restIsSolution(step_, bounds.driveSpeed)) passSettings.yielding.compliance = 0;
 		solvePass(passSettings);
-		if (last) {
+		if (pass == mostPasses) {
 			if (timed("undetectedContacts",
 			            [&] { return findUndetectedContacts(*scene, engines, step_); }))
 				converged = false;
 			if (!overdamped) largeDisplacements_ |= rcr::anyLargeDisplacement(step_);
 			break;
 		}
-		outcome = reviewPass(engines, pass, bounds.driveSpeed, firstBiases);
+		const PassOutcome outcome = reviewPass(engines, pass);
 		if (outcome == PassOutcome::consistent) break;
 		// The drive is measured at contact points. The added contact may be the first one of a
 		// driven body.
@@ -161,12 +156,11 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 	});
 }
 
-ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engines& engines,
-        int pass, double driveSpeed, std::vector<double>& firstBiases)
+ContactDynamics::PassOutcome ContactDynamics::reviewPass(
+        const validation::Engines& engines, int pass)
 {
 	if (timed("undetectedContacts",
 	            [&] { return addUndetectedContacts(*scene, engines, step_); })) {
-		firstBiases.clear();
 		// The last pass is not reviewed, so restitution could add energy. Overdamped steps need
 		// negative biases to remove overlaps.
 		if (pass == mostPasses - 1 && !overdamped) rcr::removeRestitution(step_);
@@ -177,9 +171,6 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::lowerRestitutionOfYielded(step_, nextIsLast))
 			return PassOutcome::restitutionLowered;
-		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored;
-		// restoring these biases helps only if no body is driven
-		if (pass == 1 && driveSpeed == 0) firstBiases = rcr::biases(step_.problem);
 		const bool changed = rcr::adaptBiases(step_, pass <= mostPasses / 2, nextIsLast,
 		        double(tolerance), largeDisplacements_, workspace_.team());
 		return changed ? PassOutcome::biasChanged : PassOutcome::consistent;

@@ -44,13 +44,4 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 	return changed;
 }
 
-bool restoreBiases(Step& step, std::vector<double>& before)
-{
-	if (before.empty()) return false;
-	for (std::size_t k = 0; k < before.size(); ++k)
-		step.problem.points[k].bias = before[k];
-	before.clear();
-	return true;
-}
-
 } // namespace rcr

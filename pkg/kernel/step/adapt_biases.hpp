@@ -1,9 +1,8 @@
 // Corrects the biases of contacts after a solve.
 //
 // After a large displacement, the gap differs from the gap in the bias, and restitution may add
-// energy. The biases are then adapted and the step is solved again. The adapted problem may have no
-// solution. The biases of the first
-// solve are then restored, unless a body is driven or the step got a new contact.
+// energy. The biases are then adapted and the step is solved again. If the adapted problem has no
+// solution, contacts yield.
 #pragma once
 
 #include "step/step.hpp"
@@ -22,8 +21,5 @@ bool restIsSolution(const Step&, double driveSpeed);
 ///   largeDisplacements  out: a contact has a large displacement
 bool adaptBiases(Step&, bool allowRelease, bool nextIsLast, double tolerance,
         bool& largeDisplacements, ThreadTeam&);
-
-/// Restores biases and clears `before`; returns false if `before` is empty.
-bool restoreBiases(Step&, std::vector<double>& before);
 
 } // namespace rcr
