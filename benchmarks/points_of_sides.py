@@ -17,7 +17,8 @@ from rcr.study.ensemble import Ensemble
 from rcr.study.observables import POWER_RANGE
 from rcr.study.runs import Run, by_elongation
 
-COLUMNS = "eta points weak_share beta_n c_f_lr c_f_l a_c_weak".split()
+COLUMNS = "eta points weak_share beta_n c_f_lr c_f_l a_c_weak xi_a_ln".split()
+XI = np.arange(0.05, 6.01, 0.05)  # cutoffs of a_ln [-]
 NEGLIGIBLE = 1e-6  # of the mean force: a point that carries less is no contact
 
 
@@ -49,9 +50,9 @@ def share_of_first_end(network):
 
 
 def contacts(network, points):
-    """Contacts with one row a pair (points = 1), or one a point: f_n, |f|, ℓ_r, ℓ, θ − θσ."""
+    """Contacts with one row a pair (points = 1), or one a point: f_n, |f|, ℓ_r, ℓ, ℓ_n, θ − θσ."""
     e, share = Ensemble([network]), share_of_first_end(network)
-    columns = np.array([e.fn, np.hypot(e.fn, e.ft), e.reduced_length, np.hypot(e.ln, e.lt),
+    columns = np.array([e.fn, np.hypot(e.fn, e.ft), e.reduced_length, np.hypot(e.ln, e.lt), e.ln,
                         e.theta])
     two = np.isfinite(share) & (points > 1)
     ends = []
@@ -66,14 +67,23 @@ def row(runs, points):
     """Row of the table for one elongation."""
     networks = [network for run in runs for network in run.networks]
     columns = np.concatenate([contacts(network, points) for network in networks], axis=1)
-    fn, force, reduced, length, theta = columns[:, columns[0] > NEGLIGIBLE]
+    columns = columns[:, columns[0] > NEGLIGIBLE]
+    fn, force, reduced, length, normal_length, theta = columns[:, np.argsort(columns[0])]
     weak = fn < fn.mean()
     eta = runs[0].eta
     return dict(eta=eta, points=points, weak_share=weak.mean(),
                 beta_n=statistics.power_exponent(fn / fn.mean(), POWER_RANGE)[0],
                 c_f_lr=np.nan if eta == 0 else statistics.pearson(force, reduced),
                 c_f_l=statistics.pearson(force, length),
-                a_c_weak=2 * np.cos(2 * theta[weak]).sum() / len(theta))
+                a_c_weak=2 * np.cos(2 * theta[weak]).sum() / len(theta),
+                xi_a_ln=XI[np.argmin(branch_anisotropy(fn, normal_length, theta))])
+
+
+def branch_anisotropy(fn, normal_length, theta):
+    """Anisotropy a_ln of ℓ_n in the ξ-networks, at `XI`; rows in the order of f_n."""
+    number = np.searchsorted(fn, XI * fn.mean(), side="right")
+    weights = normal_length / normal_length.sum() - 1 / len(fn)
+    return 2 * np.concatenate([[0], np.cumsum(weights * np.cos(2 * theta))])[number]
 
 
 def main():

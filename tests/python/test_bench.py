@@ -302,3 +302,11 @@ def test_force_of_two_sides_splits_between_the_ends_of_the_shadow():
     assert pair == pytest.approx([1.0])  # over the mean force of the pairs
     assert ends == pytest.approx([0.75, 0.25])
     assert four == pytest.approx([0.375, 0.125, 0.375, 0.125])
+
+
+def test_branch_anisotropy_follows_the_cutoff():
+    """Two contacts along σ1, the weak one with the short branch: −1/2 between their forces."""
+    found = points_of_sides.branch_anisotropy(np.array([0.5, 1.5]), np.array([1.0, 3.0]),
+                                              np.zeros(2))
+    xi = points_of_sides.XI
+    assert found == pytest.approx(np.where((xi > 0.499) & (xi < 1.499), -0.5, 0))
