@@ -76,12 +76,13 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 		arraySteps_->writeBack(*scene, team, handles_, step_);
 		throw;
 	}
+	// for the processor's cache only: gather has its own order
 	timed("sort", [&] { sortInteractions(*scene, handles_); });
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
-/// an undetected contact closes, or if a bias or restitution must change. The last pass is accepted,
-/// but the step has not converged if an undetected contact closes.
+/// an undetected contact closes, or if a bias must change. The last pass is accepted, but the step
+/// has not converged if an undetected contact closes.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations          = 0;
@@ -91,6 +92,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		timed("meanStretch", [&] {
 			rcr::removeDragImpulses(step_, { double(stretchChange[0]), double(stretchChange[1]) });
 		});
+	// how contacts yield without a solution, and the impulse beyond which they always yield
 	rcr::YieldBounds bounds = rcr::yieldBoundsOf(step_, workspace_.team());
 	rcr::Settings    first = settingsOfFirstPass(bounds), passSettings = first;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
@@ -170,9 +172,10 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
 	return timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::lowerRestitutionOfYielded(step_, nextIsLast))
-			return PassOutcome::restitutionLowered;
-		const bool changed = rcr::adaptBiases(step_, pass <= mostPasses / 2, nextIsLast,
-		        double(tolerance), largeDisplacements_, workspace_.team());
+			return PassOutcome::yieldedBiasLowered;
+		const bool mayRelease = pass <= mostPasses / 2; // later passes release no contacts
+		const bool changed    = rcr::adaptBiases(step_, mayRelease, nextIsLast, double(tolerance),
+		        largeDisplacements_, workspace_.team());
 		return changed ? PassOutcome::biasChanged : PassOutcome::consistent;
 	});
 }

@@ -2,15 +2,15 @@
 //
 //   v⁺ = v⁻ + M⁻¹ (dt f + Jᵀ p)          f: gravity and forces of earlier engines [N per unit depth]
 //   0 ≤ u_n + b_n ⟂ p_n ≥ 0               u = J v⁺: relative velocity of a point [m/s]; p: impulse [N s]
-//   |p_t| ≤ µ p_n, opposite to sliding
+//   |p_t| ≤ µ p_n, opposite to sliding    b_n: gap/dt if open, e u_n⁻ if it rebounds, else 0 [m/s]
 //
 // Stages of a step, on arrays (kernel/step/step.hpp) from `gather` to `scatter`:
 //
 //   gather → [ solve → review ] repeated → compute correction → monitor → observe → scatter
 //
-// A review detects contacts anew and adapts biases. `scatter` adds the forces p/dt and displaces
-// bodies by the correction. NewtonIntegrator moves them. While no engine needs YADE's objects, one
-// action takes up to 100 steps in arrays (ArraySteps). Source: Moreau 1988, 1999; Jean 1999.
+// A review detects further contacts of fast bodies and adapts biases. `scatter` adds the forces p/dt
+// and displaces bodies by the correction. NewtonIntegrator moves them. While no engine needs YADE's
+// objects, one action takes up to 100 steps (ArraySteps). Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
 #include <thread>
@@ -108,7 +108,7 @@ public:
 	DECLARE_LOGGER;
 private:
 	// Result of a pass. All outcomes but `consistent` require a further pass.
-	enum class PassOutcome { consistent, undetectedContact, restitutionLowered, biasChanged };
+	enum class PassOutcome { consistent, undetectedContact, yieldedBiasLowered, biasChanged };
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;
