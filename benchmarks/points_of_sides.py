@@ -3,9 +3,9 @@
 
     scripts/lib/run python3 benchmarks/points_of_sides.py RUNS... --out points-of-sides.csv
 
-RUNS are folders of scripts/biaxial.py. Two sides touch at both ends of their shadow. The position of
-their resultant force gives the share of each end. The paper has four points: each end counts twice,
-with half of its force. Prints a table and writes it as CSV.
+RUNS are folders of scripts/biaxial.py. Two sides touch at both ends of their shadow. The position
+of their resultant force gives the share of each end. The paper has four points: each end counts
+twice, with half of its force. Prints a table and writes it as CSV.
 """
 
 import numpy as np
@@ -16,6 +16,7 @@ from rcr.study import statistics
 from rcr.study.ensemble import Ensemble
 from rcr.study.observables import POWER_RANGE
 from rcr.study.runs import Run, by_elongation
+from rcr.xi_networks import XiNetworks
 
 COLUMNS = "eta points weak_share beta_n c_f_lr c_f_l a_c_weak xi_a_ln".split()
 XI = np.arange(0.05, 6.01, 0.05)  # cutoffs of a_ln [-]
@@ -67,23 +68,19 @@ def row(runs, points):
     """Row of the table for one elongation."""
     networks = [network for run in runs for network in run.networks]
     columns = np.concatenate([contacts(network, points) for network in networks], axis=1)
-    columns = columns[:, columns[0] > NEGLIGIBLE]
-    fn, force, reduced, length, normal_length, theta = columns[:, np.argsort(columns[0])]
-    weak = fn < fn.mean()
-    eta = runs[0].eta
-    return dict(eta=eta, points=points, weak_share=weak.mean(),
+    fn, force, reduced, length, normal_length, theta = columns[:, columns[0] > NEGLIGIBLE]
+    eta, xi_networks = runs[0].eta, xi_networks_of(fn, normal_length, theta)
+    return dict(eta=eta, points=points, weak_share=(fn < fn.mean()).mean(),
                 beta_n=statistics.power_exponent(fn / fn.mean(), POWER_RANGE)[0],
                 c_f_lr=np.nan if eta == 0 else statistics.pearson(force, reduced),
                 c_f_l=statistics.pearson(force, length),
-                a_c_weak=2 * np.cos(2 * theta[weak]).sum() / len(theta),
-                xi_a_ln=XI[np.argmin(branch_anisotropy(fn, normal_length, theta))])
+                a_c_weak=xi_networks.anisotropies(1)[0],
+                xi_a_ln=XI[np.argmin(xi_networks.anisotropies(XI)[1])])
 
 
-def branch_anisotropy(fn, normal_length, theta):
-    """Anisotropy a_ln of ℓ_n in the ξ-networks, at `XI`; rows in the order of f_n."""
-    number = np.searchsorted(fn, XI * fn.mean(), side="right")
-    weights = normal_length / normal_length.sum() - 1 / len(fn)
-    return 2 * np.concatenate([[0], np.cumsum(weights * np.cos(2 * theta))])[number]
+def xi_networks_of(fn, normal_length, theta):
+    """ξ-networks of contacts without tangential components: for a_c, a_ln and a_fn."""
+    return XiNetworks(theta, normal_length.astype(complex), fn.astype(complex), fn / fn.mean())
 
 
 def main():

@@ -306,7 +306,7 @@ def test_force_of_two_sides_splits_between_the_ends_of_the_shadow():
 
 def test_branch_anisotropy_follows_the_cutoff():
     """Two contacts along σ1, the weak one with the short branch: −1/2 between their forces."""
-    found = points_of_sides.branch_anisotropy(np.array([0.5, 1.5]), np.array([1.0, 3.0]),
-                                              np.zeros(2))
     xi = points_of_sides.XI
+    found = points_of_sides.xi_networks_of(np.array([0.5, 1.5]), np.array([1.0, 3.0]),
+                                           np.zeros(2)).anisotropies(xi)[1]
     assert found == pytest.approx(np.where((xi > 0.499) & (xi < 1.499), -0.5, 0))
