@@ -122,11 +122,12 @@ def test_densities_and_networks_add_up(result):
 
 def test_standard_error_is_that_of_repeated_sampling():
     """a_c of S networks of C contacts has the error √(2/(S C)), estimated to 1/√(2 S) = 16 %."""
-    ensemble = Ensemble([packing(0.5, seed=k) for k in range(20)])
+    networks = [packing(0.5, seed=k) for k in range(20)]
+    ensemble, parts = Ensemble(networks), [Ensemble([network]) for network in networks]
     grids = observables.Grids.of([ensemble], 0.4)
-    error = observables.measures(ensemble, grids)["O15"]["a_c_error"][-1]
+    error = observables.measures(ensemble, grids, parts)["O15"]["a_c_error"][-1]
     assert error == pytest.approx(np.sqrt(2 / (20 * 2000)), rel=0.5)
-    single = observables.measures(Ensemble([packing(0.5)]), grids)["O15"]
+    single = observables.measures(parts[0], grids, parts[:1])["O15"]
     assert np.isnan(single["a_c_error"]).all()  # of one network it is unknown
     error = statistics.standard_error([[1.0, np.nan], [3.0, np.nan], [np.nan, 5.0]])
     assert error[0] == pytest.approx(1) and np.isnan(error[1])  # without unknown values
@@ -205,7 +206,7 @@ def test_large_packings_are_analysed_in_vectors():
     sum(k for k in range(10**7))
     between = time.process_time()
     ensemble = Ensemble(networks)
-    observables.measures(ensemble, observables.Grids.of([ensemble], 0.4))
+    observables.measures(ensemble, observables.Grids.of([ensemble], 0.4), [ensemble])
     assert time.process_time() - between < 10 * (between - start)
 
 
@@ -255,7 +256,7 @@ def _of(change, network):
 def measured(network):
     ensemble = Ensemble([network])
     grids = observables.Grids.of([ensemble], 0.4)
-    return ensemble, grids, observables.measures(ensemble, grids)
+    return ensemble, grids, observables.measures(ensemble, grids, [ensemble])
 
 
 def test_angular_functions_without_contacts_are_unknown():

@@ -44,7 +44,6 @@ class Ensemble:
             raise ValueError(
                 f"{strange[0]!r:.60} is not a network; expected a result of rcr.Network.load")
         self.eta, self.friction = (common_value(networks, name) for name in ("eta", "friction"))
-        self._networks = list(networks)
         parts = [_contacts(network) for network in networks]
         for name in parts[0]:
             setattr(self, name, np.concatenate([part[name] for part in parts]))
@@ -53,10 +52,6 @@ class Ensemble:
 
     def __len__(self):
         return len(self.fn)
-
-    def by_network(self):
-        """Return one ensemble per network."""
-        return [Ensemble([network]) for network in self._networks]
 
     @functools.cached_property
     def xi_networks(self):

@@ -232,9 +232,8 @@ def with_errors(parts):
     return values
 
 
-def measures(ensemble, grids, parts=None):
-    """Return {observable: {name: value, or error over `parts`, by default the networks}}."""
-    parts = ensemble.by_network() if parts is None else parts
+def measures(ensemble, grids, parts):
+    """Return {observable: {name: value, or error over the ensembles `parts`}}."""
     found = [{key: measure(e, grids) for key, (measure, _) in MEASURES.items()}
              for e in (ensemble, *parts)]
     return {key: with_errors([values[key] for values in found]) for key in MEASURES}
