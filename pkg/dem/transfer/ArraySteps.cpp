@@ -312,7 +312,8 @@ void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engi
 			pair.pointCount = 0;
 			continue;
 		}
-		setCoefficients(scene, *engines.loop, pair);
+		setCoefficients(scene, *engines.loop, pair.body1, pair.body2, pair.friction,
+		        pair.restitution);
 		pair.formedAt = scene.iter;
 	}
 }

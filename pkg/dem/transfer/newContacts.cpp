@@ -1,14 +1,12 @@
 #include "dem/transfer/newContacts.hpp"
 
-#include "kernel/detection/pairs.hpp"
 #include "kernel/detection/undetected_contacts.hpp"
 
 namespace yade {
 
-template <class Contact>
-void setCoefficients(Scene& scene, const InteractionLoop& loop, Contact& contact)
+void setCoefficients(Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2,
+        double& friction, double& restitution)
 {
-	const Body::id_t      id1 = contact.body1, id2 = contact.body2;
 	shared_ptr<Material>& one = (*scene.bodies)[id1]->material;
 	shared_ptr<Material>& two = (*scene.bodies)[id2]->material;
 	const auto scratch = boost::make_shared<Interaction>(id1, id2);
@@ -23,11 +21,9 @@ void setCoefficients(Scene& scene, const InteractionLoop& loop, Contact& contact
 		        two->getClassName(),
 		        "; expected CdPhys: use Ip2_FrictMat_FrictMat_CdPhys for these materials.");
 	validation::checkPhys(*phys, id1, id2);
-	contact.friction    = double(phys->tangensOfFrictionAngle);
-	contact.restitution = double(phys->restitution);
+	friction    = double(phys->tangensOfFrictionAngle);
+	restitution = double(phys->restitution);
 }
-template void setCoefficients(Scene&, const InteractionLoop&, rcr::DetectedContact&);
-template void setCoefficients(Scene&, const InteractionLoop&, rcr::Pair&);
 
 bool allowsContact(Scene& scene, const validation::Engines& engines, Body::id_t id1, Body::id_t id2)
 {
@@ -49,8 +45,10 @@ static rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines&
 
 static void addDetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
-	for (rcr::DetectedContact& detected : step.detected)
-		if (!detected.known) setCoefficients(scene, *engines.loop, detected);
+	for (rcr::DetectedContact& c : step.detected)
+		if (!c.known)
+			setCoefficients(
+			        scene, *engines.loop, c.body1, c.body2, c.friction, c.restitution);
 	rcr::addDetectedContacts(step);
 }
 

@@ -5,9 +5,9 @@
 
 namespace yade {
 
-/// Sets friction and restitution of a new contact by the Ip2 functor of the scene. `Contact`:
-/// rcr::DetectedContact or rcr::Pair.
-template <class Contact> void setCoefficients(Scene&, const InteractionLoop&, Contact&);
+/// Sets friction and restitution of a new contact by the Ip2 functor of the scene.
+void setCoefficients(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2,
+        double& friction, double& restitution);
 
 /// Returns true if the collider and the functors of the scene allow a contact of the two bodies.
 /// Throws if no Ig2 functor handles bodies that could overlap.

@@ -6,7 +6,7 @@
 
 namespace rcr {
 
-constexpr double none = std::numeric_limits<double>::infinity();
+constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 bool StepCounts::count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps)
 {
@@ -15,7 +15,7 @@ bool StepCounts::count(bool hasMissed, bool hasYielded, double overlap, bool rem
 	missed += hasMissed;
 	yielded += hasYielded;
 	if (!removesOverlaps || hasMissed) deepest = std::max(deepest, overlap);
-	const bool deeper = deepest > (missed == 0 && removesOverlaps ? none : reportedOverlap)
+	const bool deeper = deepest > (missed == 0 && removesOverlaps ? unlimited : reportedOverlap)
 	        && deepest >= 2 * warnedDepth;
 	const bool moreOften = yielded > 0 && yielded >= 10 * warnedYielded;
 	if (!deeper && !moreOften) return false;
