@@ -51,8 +51,8 @@ def parser():
         help="strain of quick shear: inertial number at least "
         f"{PROTOCOL.quick_inertial_number:g}, time step at most {PROTOCOL.quick_time_step:g}")
     add("--sample-inertia", type=number,
-        help="bound of ρ (v W/h)²/σ0 beyond --approach, with v of the top wall, W and h of the box; "
-        "lowers the rate of large samples")
+        help="bound of ρ (v W/h)²/σ0 beyond --approach, with v of the top wall, W and h of the "
+        "box; lowers the rate of large samples")
     add("--threads", type=integer, help="threads of the contact solver (default: YADE's -j)")
     add("--tolerance", type=number, help="largest residual of the contact solver")
     add("--iterations", type=integer,

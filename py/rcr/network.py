@@ -46,10 +46,10 @@ class Network:
         Optional: ``clump`` (N,) id of the clump, by default −1; ``center`` (N, 2) centre of mass
         of the clump [m], by default the position.
     contacts : dict of arrays
-        ``body1``, ``body2`` (C,) ids, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 obstacle, ``normal`` (C, 2),
-        ``branch`` (C, 2) [m], ``force`` (C, 2) [N/m], ``position`` (C, 2) point of application
-        [m], ``points`` (C,) 1 or 2. Optional: ``friction`` (C,) µ or NaN if unknown, by default
-        the attribute.
+        ``body1``, ``body2`` (C,) ids, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 obstacle, ``normal``
+        (C, 2), ``branch`` (C, 2) [m], ``force`` (C, 2) [N/m], ``position`` (C, 2) point of
+        application [m], ``points`` (C,) 1 or 2. Optional: ``friction`` (C,) µ or NaN if unknown,
+        by default the attribute.
     attributes : dict
         All are optional: ``volume`` area of the region [m²], ``friction`` between grains [-],
         ``cell`` (2, 2) edges of a periodic cell as columns [m], ``cell_velocity`` (2, 2) their

@@ -39,8 +39,9 @@ def parser():
     processors = len(os.sched_getaffinity(0))
     add = made.add_argument
     add("--quick", action="store_true",
-        help="the study in small, a minute or two: 300 grains, elongations 0, 0.4 and 0.7, "
-        "strain 0.3, 6 networks, unless other options say otherwise")
+        help=f"the study in small, a minute or two: {QUICK['particles']} grains, elongations "
+        f"{', '.join(map(str, QUICK['etas'][0]))}, strain {QUICK['strain']}, {QUICK['networks']} "
+        "networks, unless other options say otherwise")
     add("--particles", type=script.at_least(10), default=13000, metavar="N",
         help="grains of each test")
     add("--etas", type=numbers(elongation), nargs="+", metavar="ETA",
@@ -50,9 +51,11 @@ def parser():
         help="seeds, separated likewise (default: 1)")
     add("--strain", type=strain, default=0.5, metavar="E", help="of the shear")
     add("--networks", type=script.at_least(1), metavar="N",
-        help="networks of each test, at equal strains (default: 10, with --quick 6)")
+        help="networks of each test, at equal strains (default: that of scripts/biaxial.py, with "
+        f"--quick {QUICK['networks']})")
     add("--iterations", type=script.at_least(1), metavar="N",
-        help="most sweeps of the solver in a step of the shear (default: that of scripts/biaxial.py)")
+        help="most sweeps of the solver in a step of the shear (default: that of "
+        "scripts/biaxial.py)")
     add("--time-step", type=positive, metavar="DT",
         help="of the shear, over √(m/σ0) (default: that of scripts/biaxial.py)")
     add("--friction", type=friction, metavar="MU",

@@ -8,9 +8,10 @@
 //
 //   gather → [ solve → review ] repeated → compute correction → monitor → observe → scatter
 //
-// A review detects further contacts of fast bodies and adapts biases. `scatter` adds the forces p/dt
-// and displaces bodies by the correction. NewtonIntegrator moves them. While no engine needs YADE's
-// objects, one action takes up to 100 steps (ArraySteps). Source: Moreau 1988, 1999; Jean 1999.
+// A review detects further contacts of fast bodies and adapts biases. `scatter` adds the forces
+// p/dt and displaces bodies by the correction. NewtonIntegrator moves them. While no engine needs
+// YADE's objects, one action takes up to 100 steps (ArraySteps). Source: Moreau 1988, 1999; Jean
+// 1999.
 #pragma once
 
 #include <thread>

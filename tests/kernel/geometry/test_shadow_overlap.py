@@ -324,7 +324,8 @@ def test_wall_contacts_each_cap():
     gap = np.take_along_axis(gap, order, 1)
     ends = np.take_along_axis(ends, order[:, :, None], 1)
     seen = gap <= ALERT
-    assert (found["count"] == seen.sum(axis=1)).all() and (found["type"][seen[:, 0]] == OBSTACLE).all()
+    assert (found["count"] == seen.sum(axis=1)).all()
+    assert (found["type"][seen[:, 0]] == OBSTACLE).all()
     assert np.abs(found["gap"] - gap)[seen].max() < ROUNDING
     middle = ends - (stadium[:, 1:] + gap / 2)[:, :, None] * normal[:, None]
     assert np.abs(found["position"] - middle)[seen].max() < ROUNDING

@@ -304,7 +304,8 @@ def test_a_network_has_the_stresses_and_forces_of_its_scene(resting, tmp_path):
 @pytest.mark.parametrize("change, says", [
     (lambda: setattr(O, "dt", 2 * O.dt), "O.dt is 0.002, but was 0.001 in the last step"),
     (lambda: set_state(vel=(0, -1, 0)), "the velocity of .*#1 differs from that in the last step"),
-    (lambda: set_state(0, vel=(0, 1, 0)), "the velocity of .*#0 differs from that in the last step"),
+    (lambda: set_state(0, vel=(0, 1, 0)),
+     "the velocity of .*#0 differs from that in the last step"),
 ])
 def test_stresses_need_the_state_after_the_step(change, says):
     """O.dt and velocities give the positions at which the forces of the last step acted."""
