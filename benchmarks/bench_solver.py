@@ -71,9 +71,8 @@ def sweep_rows(case, repeats, threads):
     rows, of_one = [], {}
     runs = [(case.points, partial(case.solve, **setting)) for setting in settings]
     for setting, (clock, processor) in zip(settings, measure.sweep_times(runs, repeats)):
-        shown = {key: setting.get(key) for key in ("solver", "lanes", "threads")}
-        row = dict(case.about, ns_by_clock=clock, **shown)
-        row["ns"] = processor if setting.get("threads", 1) == 1 else clock
+        row = dict(case.about, **setting, ns_by_clock=clock,
+                   ns=processor if setting.get("threads", 1) == 1 else clock)
         if "threads" in setting:
             one_thread = of_one.setdefault((row["solver"], row["lanes"]), clock)
             row["ratio_to_one_thread"] = one_thread / clock

@@ -113,15 +113,6 @@ def step_times(seconds, an_iteration, options):
     return dict(iterations=options.iterations, ms=1e3 * seconds, ms_without_iterations=1e3 * rest)
 
 
-def library_rows(name, packing, options):
-    """Rows of another library; none if its program is missing."""
-    program = os.path.join(options.peers, f"{name}_step")
-    if not os.path.exists(program):
-        print(f"bench_step.py: {name} is left out: {program} is missing", file=sys.stderr)
-        return []
-    return list(peer_rows(name, program, packing, options))
-
-
 def our_rows(packing, options):
     """Rows of our solver on the contacts of our detector, cold."""
     problem = packing.problem(options.friction, 2 * SKIN)
@@ -154,7 +145,12 @@ def compare_libraries(options):
         about = dict(packing=name, shape=packing.shape, grains=packing.grains)
         found = [*our_rows(packing, options)]
         for library in PEERS:
-            found += library_rows(library, packing, options)
+            program = os.path.join(options.peers, f"{library}_step")
+            if os.path.exists(program):
+                found += peer_rows(library, program, packing, options)
+            else:
+                print(f"bench_step.py: {library} is left out: {program} is missing",
+                      file=sys.stderr)
         rows += [dict(about, **row) for row in found]
     return dict(step=rows)
 
@@ -235,10 +231,7 @@ def arguments(in_yade):
     tables.add_repeats(parser, 5, budget=20)
     tables.add_peers(parser)
     script.add_results(parser, "tables")
-    return parser.parse_args()
-
-
-def check(options, in_yade):
+    options = parser.parse_args()
     for path in options.inputs:
         if os.path.isdir(path) and not in_yade:
             raise ValueError(f"{path} is a folder: a checkpoint needs YADE, "
@@ -246,10 +239,10 @@ def check(options, in_yade):
         if in_yade and not os.path.isdir(path):
             raise ValueError(
                 f"{path} is no folder: give a folder of scripts/biaxial.py, or run without YADE")
+    return options
 
 
 def main():
     in_yade = "yade" in sys.modules
-    options = arguments(in_yade)
-    check(options, in_yade)
-    tables.store("bench_step.py", options, COLUMNS, time_yade if in_yade else compare_libraries)
+    tables.store("bench_step.py", arguments(in_yade), COLUMNS,
+                 time_yade if in_yade else compare_libraries)

@@ -23,19 +23,7 @@ def arguments():
         help="number of scenes; 200 take an hour")
     add("--first", type=script.integer(), default=0, metavar="SEED", help="seed of the first scene")
     add("--out", default="driven-scenes.csv", metavar="FILE", help="CSV")
-    add("--springs", metavar="FILE",
-        help="CSV of an earlier run, whose runs with springs are used again to save time")
-    options = parser.parse_args()
-    options.known = courses(options.springs) if options.springs else {}
-    return options
-
-
-def courses(path):
-    """{seed: course of springs} of a CSV of this script."""
-    value = {float: float, int: int, bool: "True".__eq__}
-    course = lambda row: driven.Course(*(value[field.type](row[f"{field.name}_springs"])
-                                         for field in dataclasses.fields(driven.Course)))
-    return {int(row["seed"]): course(row) for row in files.read_table(path, ["seed"])}
+    return parser.parse_args()
 
 
 def row(scene, rigid, springs, broken):
@@ -59,7 +47,7 @@ def main():
     print("| " + " | ".join(SHOWN) + " |\n" + "|---" * len(SHOWN) + "|")
     for seed in range(options.first, options.first + options.count):
         scene = driven.draw(seed)
-        rigid, springs = driven.run(scene, options.known.get(seed))
+        rigid, springs = driven.run(scene)
         broken = driven.violations(scene, rigid, springs)
         counts.update(broken or ["none"])
         print(shown(scene, rigid, springs, broken), flush=True)

@@ -7,6 +7,4 @@ import sys
 sys.path.insert(0, os.path.dirname(os.path.realpath(sys.argv[0])))  # Python adds it, YADE does not
 from lib import environment
 
-from benchmarks import outside
-
-environment.run("benchmarks.bench_step", outside.stay)
+environment.run("benchmarks.bench_step")

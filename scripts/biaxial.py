@@ -33,12 +33,12 @@ RUN_SECONDS = 3.0  # aimed duration of a run of several records
 CHECKPOINT_SECONDS = 60  # between checkpoints; at least 20 times that of writing one
 
 
-def parser():
-    """Return the parser of the command line."""
+def arguments():
+    """Return the options of the command line, after a check of their combination."""
     number, integer = script.number(), script.integer()
     strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
-    made = script.Parser(prog="biaxial.py", description=__doc__.splitlines()[0])
-    add = made.add_argument
+    parser = script.Parser(prog="biaxial.py", description=__doc__.splitlines()[0])
+    add = parser.add_argument
     add("--eta", type=number, help="elongation (R - R')/R, 0 = disc")
     add("--particles", type=integer, help="number of grains")
     add("--strain", type=strain, default=0.5, help="strain of the shear, (h0 - h)/h0")
@@ -72,18 +72,13 @@ def parser():
         help="continue from DIR's checkpoint; --strain, --networks, --include-yielded and "
         "--threads may differ")
     add("--overwrite", action="store_true", help="remove the results in DIR")
-    made.set_defaults(**DEFAULTS)
-    return made
-
-
-def arguments():
-    """Return the options of the command line, after a check of their combination."""
-    options = (made := parser()).parse_args()
+    parser.set_defaults(**DEFAULTS)
+    options = parser.parse_args()
     if options.resume and options.overwrite:
-        made.error("--resume continues the run in DIR, --overwrite removes it: give one of them")
+        parser.error("--resume continues the run in DIR, --overwrite removes it: give one of them")
     if options.strain < PROTOCOL.record_strain:
         expected = f"at least {PROTOCOL.record_strain:g}, the strain of a record of the history"
-        made.error(f"--strain {options.strain}: expected {expected}")
+        parser.error(f"--strain {options.strain}: expected {expected}")
     check_networks(options.networks, options.strain)
     return options
 

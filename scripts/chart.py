@@ -3,6 +3,4 @@
 
 from lib import environment
 
-from benchmarks import outside
-
-environment.run("benchmarks.chart", outside.stay)
+environment.run("benchmarks.chart")

@@ -40,15 +40,6 @@ def arguments():
     return parser.parse_args()
 
 
-def warn_incomplete(run):
-    """Warn of a run that has not reached its final strain."""
-    if run.record and run.summary is None:
-        reached = f"its last network is at a strain of {run.networks[-1].attributes['strain']:.4f}"
-        end = f"its end at {run.record['parameters']['strain']:g}"
-        message = f"network.py: the run in {run.folder} is not complete: {reached}, {end}"
-        print(message, file=sys.stderr)
-
-
 def main():
     options = arguments()
     names = ("from_strain", "to_strain", "include_yielded")
@@ -56,7 +47,10 @@ def main():
     runs = [Run.read(folder, **selection) for folder in options.folders]
     by_elongation(runs)  # raises if they do not belong together
     for run in runs:
-        warn_incomplete(run)
+        if run.record and run.summary is None:
+            last, end = run.networks[-1].attributes["strain"], run.record["parameters"]["strain"]
+            print(f"network.py: the run in {run.folder} is not complete: its last network is at a "
+                  f"strain of {last:.4f}, its end at {end:g}", file=sys.stderr)
     sources = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
                for run in runs]
     parameters = dict(selection, runs=sources)

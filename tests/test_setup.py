@@ -473,8 +473,8 @@ def test_inside_it_nothing_is_entered_again(machine):
 
 # Packages: an index that names files the mirror does not have
 
-def install(machine, apt_get, packages="yade\ng++\n? python3-tqdm: progress bars\n"):
-    (machine.path / "list").write_text(packages)
+def install(machine, apt_get):
+    (machine.path / "list").write_text("yade\ng++\n? python3-tqdm: progress bars\n")
     machine.command("apt-get", apt_get)
     return machine.run(f"{machine.repo}/scripts/lib/setup/install-packages {machine.path}/list")
 

@@ -100,7 +100,8 @@ def number(cell):
         return cell
 
 
-def legend_handles(figure):
-    """{label: handle} of the lines of all panels."""
-    return {label: handle for ax in figure.axes
-            for handle, label in zip(*ax.get_legend_handles_labels())}
+def add_legend(figure, **style):
+    """Add a legend of the lines of all panels above them, each label once."""
+    handles = {label: handle for ax in figure.axes
+               for handle, label in zip(*ax.get_legend_handles_labels())}
+    figure.legend(handles.values(), handles.keys(), loc="upper center", **style)

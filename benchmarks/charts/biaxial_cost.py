@@ -55,8 +55,6 @@ MAX_ITERATIONS = 1000  # of a step, enough to reach the tolerance
 SLIDING = 0.99  # smallest I_m of a sliding contact
 
 
-# ---- packings and laws
-
 def compacted(eta, seed, options):
     """Compacted packing of an elongation and a seed, made at the first call."""
     folder = charts.folder("packings", f"n{options.particles}-e{eta:g}-s{seed}", options)
@@ -66,15 +64,6 @@ def compacted(eta, seed, options):
         test.compact()
         test.save(folder)
     return Biaxial.load(folder)
-
-
-def rigid(test, dt, tolerance, inertial_number):
-    """Set the test to rigid contacts, each step solved to the tolerance."""
-    test.parameters.update(time_step=dt, inertial_number=inertial_number)
-    O.dt = dt * test.time_unit
-    solver = test.solver
-    solver.tolerance, solver.maxIterations, solver.threads = tolerance, MAX_ITERATIONS, 1
-    return test
 
 
 # ---- the chart
@@ -163,7 +152,8 @@ def run(name, options):
     elif law == "stock":
         test, first = Stock(test, row["stiffness"]), 0
     else:
-        test = rigid(test, row["dt"], row["tolerance"], row["inertial_number"])
+        test.parameters.update(time_step=row["dt"], inertial_number=row["inertial_number"])
+        test.solver.tolerance, test.solver.maxIterations = row["tolerance"], MAX_ITERATIONS
     return [dict(row, **_sheared(test), steps=O.iter - first)]
 
 
@@ -219,9 +209,8 @@ def plot(rows, options):
                 ax.set_ylim(bottom=1e-4)
             if name == OBSERVED[-1]:
                 ax.set_xlabel("processor time [s]")
-    handles = charts.legend_handles(figure)
     figure.tight_layout(rect=(0, 0, 1, 0.95))
-    figure.legend(handles.values(), handles.keys(), ncol=2, loc="upper center", fontsize=9)
+    charts.add_legend(figure, ncol=2, fontsize=9)
     return figure
 
 

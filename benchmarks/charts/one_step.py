@@ -150,9 +150,7 @@ def plot(rows, options):
         line[0].set_ylabel("residual of the contact laws")
     for ax in axes[-1]:
         ax.set_xlabel("processor time [s]")
-    handles = charts.legend_handles(figure)
-    figure.legend(handles.values(), handles.keys(), ncol=4, loc="upper center",
-                  bbox_to_anchor=(0.5, 1.0), fontsize=8)
+    charts.add_legend(figure, ncol=4, bbox_to_anchor=(0.5, 1.0), fontsize=8)
     figure.text(0.5, 0.93, "filled, full line: cold start; open, dashed: warm start", ha="center",
                 fontsize=8)
     figure.subplots_adjust(top=0.89, hspace=0.35, wspace=0.1)

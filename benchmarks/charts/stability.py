@@ -46,7 +46,7 @@ def plot(rows, options):
     scenes = list(dict.fromkeys(point.split("/")[0] for point in points(options)))
     dts = list(dict.fromkeys(point.split("/")[2] for point in points(options)))
     figure = Figure(figsize=(2 + 0.75 * len(dts) * len(LAWS) + 3, 1.6 + 0.3 * len(scenes)))
-    for k, (ax, law) in enumerate(zip(figure.subplots(1, len(LAWS), sharey=True), LAWS)):
+    for ax, law in zip(figure.subplots(1, len(LAWS), sharey=True), LAWS):
         for y, scene in enumerate(scenes):
             for x, dt in enumerate(dts):
                 verdict = cell.get(f"{scene}/{law}/{dt}")

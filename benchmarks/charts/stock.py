@@ -8,6 +8,7 @@ from yade.minieigenHP import Vector3
 from yade import wrapper as w
 
 import rcr
+from rcr._yade.scene_arrays import angle, lengths
 from rcr.network import BOTTOM, LEFT, RIGHT, TOP, Network
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
@@ -38,8 +39,8 @@ class Stock(Biaxial):
         edges = [wall.state.pos[wall.shape.axis] for wall in walls]
         mass = walls[2].state.mass
         O.reset()
-        angle = math.atan(self.parameters["friction"])
-        rough = O.materials.append(w.FrictMat(density=PROTOCOL.density, frictionAngle=angle))
+        friction = math.atan(self.parameters["friction"])
+        rough = O.materials.append(w.FrictMat(density=PROTOCOL.density, frictionAngle=friction))
         self.ids = [_clump(*grain, rough) for grain in grains]
         self._add_walls(edges, mass)
         kn, ks = stiffness * STRESS, PROTOCOL.shear_stiffness * stiffness * STRESS
@@ -99,10 +100,8 @@ class Stock(Biaxial):
 
 def _grain(body):
     """(centre, angle, half length, cap radius, mass, moment of inertia) of an RCR."""
-    state, shape = body.state, body.shape
-    angle = 2 * math.atan2(state.ori[2], state.ori[3])
-    return (tuple(state.pos), angle, shape.halfLength, shape.capRadius, state.mass,
-            state.inertia[2])
+    state = body.state
+    return tuple(state.pos), angle(state.ori), *lengths(body.shape), state.mass, state.inertia[2]
 
 
 def _pairs(walls):

@@ -87,10 +87,10 @@ class Course:
     ended: bool = True  # False after an exception other than the error of a jam
 
 
-def run(scene, springs=None):
-    """Courses (rigid, springs) of a scene; `springs` may be given, from an earlier run."""
+def run(scene):
+    """Courses (rigid, springs) of a scene."""
     bed = _settled(scene)
-    springs = springs or _follow(scene, SPRINGS, bed, scene.steps * scene.dt)[0]
+    springs = _follow(scene, SPRINGS, bed, scene.steps * scene.dt)[0]
     rigid, times, wedged = _follow(scene, RIGID, bed, springs.duration)
     again = _follow(scene, RIGID, bed, springs.duration, looks=0)[1]  # repeated for the minimum
     count = min(len(times), len(again))
@@ -168,16 +168,12 @@ def _settled(scene):
     return radii, np.column_stack([positions(ids), [angle(i) for i in ids]])
 
 
-def _top(radii, poses, eta):
-    return max(float(y) + r * ((1 - eta) + eta * abs(math.sin(angle)))
-               for r, (_, y, angle) in zip(radii, poses))
-
-
 def begin(scene, law, bed):
     """Make bed and drive; returns the ids of the grains and their largest height of fall [m]."""
     radii, poses = bed
     rough = material(scene.friction)
-    top = _top(radii, poses, scene.eta) + 1e-3 * R
+    half_height = lambda r, angle: r * ((1 - scene.eta) + scene.eta * abs(math.sin(angle)))
+    top = max(float(y) + half_height(r, a) for r, (_, y, a) in zip(radii, poses)) + 1e-3 * R
     boundary = _boundary(scene, top, rough)
     grains = [rcr.particle((x, y), r, scene.eta, angle=a, material=rough)
               for r, (x, y, a) in zip(radii, poses)]

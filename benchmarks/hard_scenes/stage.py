@@ -22,6 +22,7 @@ D = 2 * R
 DENSITY = 1000.0  # kg/m³
 DT = 1e-3  # s, the default: a grain at rest falls 5e-4 d in a step
 COARSE = 10 * DT
+SAMPLES = 1000  # of an advance of the clock, at most about
 X = 0.1234567  # x of stacks [m]; at 0 sums would be exact, without rounding
 
 _pushes = {}  # constant forces on bodies of the present scene, by id; YADE cannot list them
@@ -238,8 +239,8 @@ class Clock:
     tunnel.
     """
 
-    def __init__(self, samples=1000):
-        self.samples, self.began = samples, None  # processor time before the first step [s]
+    def __init__(self):
+        self.began = None  # processor time before the first step [s]
         self.gain = self.overlap = self.steps = 0
 
     def restart(self):
@@ -265,7 +266,7 @@ class Clock:
         """Advance by `count` steps; calls `each()` at every sample."""
         if self.began is None:
             self.restart()
-        chunk = max(1, count // self.samples)
+        chunk = max(1, count // SAMPLES)
         while count > 0:
             for _ in range(min(chunk, count)):  # O.run(…, True) returns up to 40 ms late
                 O.step()

@@ -1,8 +1,6 @@
-#!/usr/bin/env python3
-"""Draw a grain with its lengths, and the contact points of pairs: grain.png in a folder."""
+"""Picture of a grain with its lengths, and of the contact points of pairs."""
 
 import pathlib
-import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -29,7 +27,8 @@ def length(ax, start, end, text, at, color):
     ax.text(*at, text, color=color, ha="center")
 
 
-def main(folder):
+def draw(folder):
+    """Draw grain.png in a folder."""
     figure, (one, side, cap) = plt.subplots(1, 3, figsize=(9, 2.6))
     grain(one, 0, 0)
     one.add_patch(plt.Circle((0, 0), 1, fill=False, ls=":", color="0.5"))
@@ -54,7 +53,3 @@ def main(folder):
         ax.set_aspect("equal")
         ax.axis("off")
     figure.savefig(pathlib.Path(folder) / "grain.png", dpi=130, bbox_inches="tight")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1])

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 
+import grain
 from PIL import Image
 from screen import virtual_screen
 
@@ -39,7 +40,7 @@ def make(name, folder):
         script.write_text(re.search(r"```python\n(.*?)```", page, re.S)[1])
         run("yade", "-n", "-x", str(script))
     elif name == "grain":
-        run(sys.executable, str(HERE / "grain.py"), folder)
+        grain.draw(folder)
     elif name == "batch":
         files = str(examples / "batch.table"), str(examples / "batch.py")
         run("yade-batch", "-j", "4", "--log", f"{folder}/@.log", *files)

@@ -38,10 +38,10 @@ def table(header, rows):
 
 
 def measured(name):
-    """Rows (dicts) of a CSV in docs/results/charts, with numbers as floats."""
+    """Rows (dicts) of a CSV in docs/results/charts that have numbers, which are floats."""
     with open(DOCS / "results" / "charts" / f"{name}.csv", newline="") as file:
         return [{key: charts.number(cell) for key, cell in row.items()}
-                for row in csv.DictReader(file)]
+                for row in csv.DictReader(file) if row.get("status", "ok") == "ok"]
 
 
 def ratios(chart, name, shown=lambda row: True):
@@ -58,13 +58,9 @@ def quasi_static_row(row):
     return row[0] in main and row[1].endswith("N = 1000")
 
 
-def stability_rows():
-    return [row for row in measured("d-stability") if row["status"] == "ok"]
-
-
 def hard_scenes():
     """Verdicts of every hard scene."""
-    runs = {(row["scene"], row["law"], row["dt"]): row for row in stability_rows()}
+    runs = {(row["scene"], row["law"], row["dt"]): row for row in measured("d-stability")}
 
     def result(*key):
         return f"{runs[key]['verdict']} ({runs[key]['measured']:.1g})" if key in runs else ""
@@ -81,7 +77,7 @@ def hard_scenes():
 
 def stability():
     """Numbers of hard scenes that hold, drift or blow up."""
-    rows = stability_rows()
+    rows = measured("d-stability")
     steps = sorted({row["dt"] for row in rows})
     lines = []
     for law, title in (("cd", "rigid contacts"), ("smooth", "springs, E = 10⁸ Pa")):

@@ -155,9 +155,8 @@ def _contact_mesh(frame):
         normal_force=normal, shear_force=nx * fy - ny * fx,  # along the normal turned by +90°
         mobilization=frame.mobilization(), force=_in_space(contacts["force"]),
         normal=_in_space(contacts["normal"]))
-    first = 3 * np.arange(len(normal))
-    cells = np.stack([[first, first + 1], [first + 1, first + 2]])
-    cells = [("line", cells.transpose(2, 0, 1).reshape(-1, 2))]
+    first = 3 * np.arange(len(normal))[:, None]
+    cells = [("line", (first + [0, 1, 1, 2]).reshape(-1, 2))]
     cell_data = {name: [np.repeat(column, 2, axis=0)] for name, column in state.items()}
     return lines, cells, dict(normal_force=np.repeat(normal, 3)), cell_data
 

@@ -228,7 +228,10 @@ def _grain(
     state.pos = state.refPos = _point("center", center)
     angle = _number("angle", angle, "a finite angle [rad]")
     state.ori = state.refOri = Quaternion(Vector3(0, 0, 1), angle)
-    state.vel = _velocity(velocity)
+    expected = "two components (v_x, v_y) in the plane [m/s]"
+    state.vel = _vector("velocity", velocity, expected, "a finite velocity [m/s]")
+    if state.vel[2] != 0:
+        raise checks.error("velocity", velocity, expected)
     expected = "a finite angular velocity [1/s]"
     state.angVel = Vector3(0, 0, _number("angular_velocity", angular_velocity, expected))
     state.blockedDOFs = "xyzXYZ" if fixed else "zXY"
@@ -255,14 +258,6 @@ def _point(name, given):
     """Return two or three finite coordinates as a Vector3."""
     expected = "two or three coordinates (x, y) or (x, y, z) [m]"
     return _vector(name, given, expected, "a finite coordinate [m]")
-
-
-def _velocity(given):
-    expected = "two components (v_x, v_y) in the plane [m/s]"
-    velocity = _vector("velocity", given, expected, "a finite velocity [m/s]")
-    if velocity[2] != 0:
-        raise checks.error("velocity", given, expected)
-    return velocity
 
 
 def _vector(name, given, expected, expected_component):

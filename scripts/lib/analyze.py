@@ -1,6 +1,6 @@
 """Static analysis and coverage of the kernels: `analyze.py tidy` or `analyze.py coverage`.
 
-check-analyzers runs it in an environment with clang-tidy and gcovr. The last line is the verdict.
+check-in-debian runs it in an environment with clang-tidy and gcovr. The last line is the verdict.
 """
 
 import subprocess

@@ -28,16 +28,16 @@ def numbers(kind):
     return lambda text: [kind(word) for word in text.replace(",", " ").split()]
 
 
-def parser():
-    """Return the parser of the command line."""
-    made = script.Parser(prog="campaign", description=__doc__)
+def arguments():
+    """Return the options of the command line and those for Snakemake."""
+    parser = script.Parser(prog="campaign", description=__doc__)
     elongation = script.number("elongations 0 ≤ ETA < 1", lambda v: 0 <= v < 1)
     seed = script.integer("seeds ≥ 0", lambda v: v >= 0)
     strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
     positive = script.number("a number > 0, at most 10", lambda v: 0 < v <= 10)
     friction = script.number("a coefficient > 0, at most 100", lambda v: 0 < v <= 100)
     processors = len(os.sched_getaffinity(0))
-    add = made.add_argument
+    add = parser.add_argument
     add("--quick", action="store_true",
         help=f"the study in small, a minute or two: {QUICK['particles']} grains, elongations "
         f"{', '.join(map(str, QUICK['etas'][0]))}, strain {QUICK['strain']}, {QUICK['networks']} "
@@ -65,20 +65,15 @@ def parser():
     add("--out", type=script.folder, default="out/campaign", metavar="DIR",
         help="folder of the runs and the report, made if missing (default: %(default)s, with "
         f"--quick {QUICK['out']})")
-    return made
-
-
-def arguments():
-    """Return the options of the command line and those for Snakemake."""
-    words, made = [*sys.argv[1:], "--"], parser()
+    words = [*sys.argv[1:], "--"]
     words, extra = words[: words.index("--")], words[words.index("--") + 1 : -1]
     if "--quick" in words:
-        made.set_defaults(**QUICK)
-    options = made.parse_args(words)
+        parser.set_defaults(**QUICK)
+    options = parser.parse_args(words)
     for name in "etas", "seeds":
         values = sorted({value for part in getattr(options, name) for value in part})
         if not values:
-            made.error(f"--{name}: expected at least one")
+            parser.error(f"--{name}: expected at least one")
         setattr(options, name, values)
     if options.networks is not None:
         check_networks(options.networks, options.strain)

@@ -13,13 +13,18 @@ SCRIPT = os.path.realpath(sys.argv[0])
 sys.path[:0] = [os.path.join(ROOT, "py"), ROOT]
 
 
-def run(module, before=lambda: None):
-    """Call `main` of a module; if an import fails, call `before` and start in the environment."""
+def run(module):
+    """Call `main` of a benchmark; if an import fails, start in the environment.
+
+    A server outside then runs the programs of other libraries, see benchmarks/outside.py.
+    """
     try:
         main = importlib.import_module(module).main
         from rcr import script
     except ImportError as error:
-        reenter(error, before)
+        from benchmarks import outside
+
+        reenter(error, outside.stay)
     script.run(main)
 
 

@@ -8,7 +8,6 @@ runs       kills and resumes scripts/biaxial.py; compares the results of each co
 campaigns  kills scripts/campaign three times and resumes it; compares runs and analysis
 """
 
-import argparse
 import os
 import pathlib
 import random
@@ -25,7 +24,7 @@ sys.path[:0] = [str(TESTS), str(TESTS / "python")]
 
 import numpy as np
 import synthetic
-from rcr import problems
+from rcr import problems, script
 from rcr._data import files
 from rcr.network import Network
 from run_contents import campaign_contents, contents, different
@@ -178,11 +177,10 @@ KINDS = dict(writes=kill_writes, runs=kill_runs, campaigns=kill_campaigns)
 
 
 def main(words=None):
-    parser = argparse.ArgumentParser(prog="kills.py", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="+", metavar="KIND COUNT", help=f"{', '.join(KINDS)}, each "
-                        f"with a count")
-    parser.add_argument("--seed", type=int, default=1, help="of the moments (default %(default)s)")
+    parser = script.Parser(prog="kills.py", description=__doc__)
+    parser.add_argument("what", nargs="+", metavar="KIND COUNT",
+                        help=f"{', '.join(KINDS)}, each with a count")
+    parser.add_argument("--seed", type=int, default=1, help="of the moments")
     options = parser.parse_args(words)
     pairs = list(zip(options.what[::2], options.what[1::2]))
     if len(options.what) % 2 or not all(kind in KINDS and count.isdigit() and int(count) > 0

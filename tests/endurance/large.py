@@ -6,14 +6,14 @@
     scripts/lib/run python3 tests/endurance/large.py --grains 1048576 --pile 100000 --steps 100
 """
 
-import argparse
 import math
 import resource
 import sys
 import time
 
 import numpy as np
-from scene_fuzzer import O, rcr, scenes, solver
+from scene_fuzzer import O, rcr, scenes, solver  # imports YADE before rcr
+from rcr import script
 
 R, G, DT, THREADS = 0.01, 9.81, 1e-3, 2
 DEEPEST = 0.02  # overlap over R₁ + R₂
@@ -72,12 +72,10 @@ def pile(count, steps):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="large.py", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--grains", type=int, default=2**20,
-                        help="on the floor (default %(default)s)")
-    parser.add_argument("--pile", type=int, default=10**5, help="in the pile (default %(default)s)")
-    parser.add_argument("--steps", type=int, default=100, help="of the pile (default %(default)s)")
+    parser = script.Parser(prog="large.py", description=__doc__)
+    parser.add_argument("--grains", type=int, default=2**20, help="on the floor")
+    parser.add_argument("--pile", type=int, default=10**5, help="in the pile")
+    parser.add_argument("--steps", type=int, default=100, help="of the pile")
     options = parser.parse_args()
     one = apart(options.grains)
     two, missed = pile(options.pile, options.steps)

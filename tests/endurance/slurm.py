@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A campaign on SLURM with a cancelled job gives the results of a local campaign.
 
-scripts/lib/check-slurm runs this script where SLURM, munge and Snakemake are installed. This
+scripts/lib/check-in-debian runs this script where SLURM, munge and Snakemake are installed. This
 machine is the whole cluster; the daemons keep their files in a temporary folder.
 """
 

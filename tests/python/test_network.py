@@ -23,12 +23,6 @@ def test_estimators_recover_known_anisotropies():
     assert found == pytest.approx((0.2, 0.05, -0.02, 0.15, -0.1), abs=0.01)
 
 
-def test_half_sum_is_the_shear_stress_ratio():
-    """q/p ≈ ½ (a_c + a_ln + a_lt + a_fn + a_ft) [paper, eq. q_p_aniso2_xi]: no cross products."""
-    test = anisotropic(200_000, 0.1, 0.05, -0.03, 0.1, -0.08)
-    assert test.shear_stress_ratio() == pytest.approx(0.5 * sum(test.anisotropies()), rel=0.03)
-
-
 def row_and_column(**columns):
     """f = 3 along x on ℓ = 2, f = 1 along y on ℓ = 4, V = 10: σ = diag(0.6, 0.4), q/p = 0.2."""
     return network(np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]),

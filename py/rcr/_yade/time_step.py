@@ -70,10 +70,8 @@ def _stiffnesses(loops):
     functors = [ip2 for loop in loops for ip2 in loop.physDispatcher.functors]
     stock = [ip2 for ip2 in functors if isinstance(ip2, Ip2_FrictMat_FrictMat_FrictPhys)]
     makers = {name: [getattr(ip2, name) for ip2 in stock] for name in ("kn", "ks")}
-    given = {
-        name: next((maker.val for maker in found if maker and maker.algo == "val"), None)
-        for name, found in makers.items()
-    }
+    given = {name: next((maker.val for maker in found if maker and maker.algo == "val"), None)
+             for name, found in makers.items()}
     stiffest = {}  # (k_n, k_s) by id of the body
     for i in O.interactions:
         if i.isReal and isinstance(i.phys, FrictPhys):

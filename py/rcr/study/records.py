@@ -31,7 +31,7 @@ class Springs:
         return sum(i.geom.points for i in O.interactions if i.isReal)
 
 
-def make_records(test, count, times=1):
+def make_records(test, count, times):
     """Make `times` intervals of `count` steps; set `test.records`, one dict for each interval.
 
     It has the state after the interval, `HISTORY_COLUMNS` that belong to it, width and height [m].

@@ -2,7 +2,10 @@
 
 import multiprocessing
 import os
+import pathlib
+import random
 import signal
+import sys
 import time
 
 import h5py
@@ -14,6 +17,9 @@ from rcr._data import files
 from rcr._data.files import atomic_path
 
 from common import python, refused
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "endurance"))
+import kills
 
 
 @pytest.mark.parametrize("name", ["ä.txt", "ü" * 127], ids=["short", "longest"])
@@ -91,6 +97,11 @@ def test_two_writers_at_once_and_kills(tmp_path):
         assert len(list(tmp_path.iterdir())) <= 2
     files.write(path, b"c")
     assert path.read_bytes() == b"c" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_killed_writes_leave_whole_files(tmp_path):
+    """A few kills of tests/endurance/kills.py."""
+    assert kills.kill_writes(25, tmp_path, random.Random(1)).startswith("25 SIGKILLs")
 
 
 def test_hdf5_and_tables_in_memory(tmp_path):

@@ -17,7 +17,7 @@ from rcr.study.figures.curves import (
     plot_length_pdf, plot_mobilization, plot_mobilization_by_force, plot_mobilization_pdf,
     plot_shear_stress, plot_strain, plot_strength, plot_strips, plot_xi,
 )  # fmt: skip
-from rcr.study.figures.plot_style import column, eta_legend, legend_outside
+from rcr.study.figures.plot_style import column, legend_outside
 from rcr.study.figures.polar import (
     plot_contact_directions, plot_isotropy, plot_vector_directions, polar_row,
 )  # fmt: skip
@@ -34,7 +34,7 @@ def _plain(*plots, legend=True, projection=None):
         if len(plots) > 1:
             _letters(axes)
         if legend:
-            eta_legend(fig, axes[0])
+            legend_outside(fig, axes[0], "upper center", 4 * len(plots))
         return fig
 
     return figure

@@ -33,11 +33,6 @@ def error_of(value, name):
     return np.nan_to_num(column(value, f"{name}_error"))
 
 
-def eta_legend(figure, ax):
-    """Add one legend above all axes of a figure."""
-    legend_outside(figure, ax, "upper center", 4 if figure.get_figwidth() < 5 else 8)
-
-
 def legend_outside(figure, ax, place, columns, **options):
     """Add the legend of `ax` beside all axes; Matplotlib before 3.7 draws it over them."""
     loc = place if matplotlib.__version_info__ < (3, 7) else f"outside {place}"
