@@ -189,9 +189,8 @@ def time_checkpoint(folder, way, options):
     name = os.path.basename(os.path.normpath(folder))
     about = dict(folder=name, grains=len(test.grains), points=solver.contactPoints,
                  threads=options.threads, way=way)
-    alive = [engine for engine in scene.engines if not engine.dead]
     engines = [(engine.label or type(engine).__name__, 1e-6 * engine.execTime / options.steps)
-               for engine in alive]
+               for engine in scene.engines if not engine.dead]
     total = sum(ms for _, ms in engines)
     rows = [dict(about, engine=name, ms=ms, share=ms / total) for name, ms in engines]
     rows += [dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total)

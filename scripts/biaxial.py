@@ -77,8 +77,8 @@ def arguments():
     if options.resume and options.overwrite:
         parser.error("--resume continues the run in DIR, --overwrite removes it: give one of them")
     if options.strain < PROTOCOL.record_strain:
-        expected = f"at least {PROTOCOL.record_strain:g}, the strain of a record of the history"
-        parser.error(f"--strain {options.strain}: expected {expected}")
+        parser.error(f"--strain {options.strain}: expected at least {PROTOCOL.record_strain:g}, "
+                     "the strain of a record of the history")
     check_networks(options.networks, options.strain)
     return options
 
@@ -104,9 +104,9 @@ class Checkpoints:
         if test.parameters["law"] != "cd" or last or not states(self.folder, stopped):
             raise error
         test.go_back(self.folder)
-        again = f"the shear restarts from a strain of {test.strain:.4f}"
-        step = f"with 1/{test.progress['divisor']} of the time step"
-        message = f"biaxial.py: {again} {step}, since it stopped at {stopped:.4f}: {error}"
+        message = (f"biaxial.py: the shear restarts from a strain of {test.strain:.4f} with "
+                   f"1/{test.progress['divisor']} of the time step, since it stopped at "
+                   f"{stopped:.4f}: {error}")
         tqdm.write(message, file=sys.stderr)
         self.save()
         remove_later(self.folder, test.strain)
