@@ -68,20 +68,17 @@ rootfs_make() {
     need_space "$cache" 5
     [ "$(id -u)" = 0 ] || need_space /var/tmp 5
     stage "set-up 1/3: Debian 13 root file system (20 to 60 s) …"
-    rootfs_from_mirrors rootfs_bootstrap
+    rootfs_from_mirrors rootfs_bootstrap && rootfs_finish
 }
 
-# rootfs_from_mirrors MAKE: makes $root by `MAKE SOURCES`, which fills $new/tree, from the first
-# mirror that works
+# rootfs_from_mirrors MAKE: calls `MAKE SOURCES`, which fills $new/tree, with one mirror after the
+# other until it succeeds
 rootfs_from_mirrors() {
     local sources
     while IFS= read -r sources; do
         mkdir "$new/tree"
         : >"$new/output"
-        if "$1" "$sources"; then
-            rootfs_finish
-            return
-        fi
+        ! "$1" "$sources" || return 0
         rm -rf --one-file-system "$new/tree"
         why=$(rootfs_reason "$new/output")
         rm -f "$new/stage"
