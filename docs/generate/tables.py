@@ -13,7 +13,6 @@ Run it with YADE:  scripts/lib/run python3 docs/generate/tables.py
 
 import argparse
 import ast
-import csv
 import math
 import pathlib
 import re
@@ -21,6 +20,7 @@ import sys
 
 import yade  # noqa: F401: rcr loads its plugin into it
 from benchmarks import charts, hard_scenes as suite
+from rcr._data import files
 from rcr._yade.counterparts import COUNTERPARTS
 from rcr.plot import CATEGORIES, CONTACTS, SCALES
 from rcr.profile import QUANTITIES
@@ -39,9 +39,9 @@ def table(header, rows):
 
 def measured(name):
     """Rows (dicts) of a CSV in docs/results/charts that have numbers, which are floats."""
-    with open(DOCS / "results" / "charts" / f"{name}.csv", newline="") as file:
-        return [{key: charts.number(cell) for key, cell in row.items()}
-                for row in csv.DictReader(file) if row.get("status", "ok") == "ok"]
+    rows = files.read_table(DOCS / "results" / "charts" / f"{name}.csv", ())
+    return [{key: charts.number(cell) for key, cell in row.items()}
+            for row in rows if row.get("status", "ok") == "ok"]
 
 
 def ratios(chart, name, shown=lambda row: True):

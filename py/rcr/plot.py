@@ -23,7 +23,6 @@ from rcr._data.files import atomic_path
 from rcr._pictures.grain_colors import CATEGORIES, KIND_COLORS, SCALES, grain_colors  # noqa: F401
 from rcr.frame import KINDS, Frame
 
-FOOT = 0.45  # height of the legend below a picture [in]
 MOBILIZATION, OBSTACLE_CONTACT = "plasma", "0.3"  # colours of contacts
 CONTACTS = dict(force="black above the mean force, red up to it",
                 type="blue cap-cap, green cap-side, red side-side, grey with an obstacle",
@@ -73,7 +72,7 @@ def packing(
     faces, key = grain_colors(frame, color, range, cmap)
     with matplotlib.rc_context(STYLE):
         keys = legend and (key or contacts in ("type", "mobilization"))
-        ax = drawing.page(limits, FOOT if keys else 0) if ax is None else drawing.canvas(limits, ax)
+        ax = drawing.page(limits, keys) if ax is None else drawing.canvas(limits, ax)
         radius = frame.mean_radius() if len(frame.grains["id"]) else 0.01 * np.ptp(limits)
         unit = drawing.line_unit(ax, radius)
         drawing.add_obstacles(ax, frame, unit)

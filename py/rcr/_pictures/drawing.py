@@ -12,7 +12,7 @@ from rcr._pictures.outlines import polygons
 
 COLUMN, PAGE = 3.4, 7.0  # widths of a figure [in]
 TALLEST = 9.0  # largest height of a picture [in]
-LEGEND = 5.5  # smallest width of a picture with a legend below [in]
+LEGEND, FOOT = 5.5, 0.45  # smallest width of a picture with a legend below; its height [in]
 STYLE = {
     "font.size": 8, "font.family": "sans-serif", "mathtext.fontset": "dejavusans",
     "axes.labelsize": 9, "axes.linewidth": 0.6, "axes.grid": False,
@@ -32,13 +32,13 @@ TYPES = {"cap-cap": "#1f77b4", "cap-side": "#2ca02c", "side-side": "#d62728"}
 GRAIN, RATTLER, OBSTACLE = "#d9d9d9", "#f5f5f5", "#9c9c9c"
 
 
-def page(limits, foot=0.0):
-    """Return Axes in a new Figure of the limits (2, 2) [m], with `foot` inches free below."""
+def page(limits, legend):
+    """Return Axes in a new Figure of the limits (2, 2) [m], with room for a `legend` below."""
     smallest = 1e-9 * np.abs(limits).max() + 1e-300
     across, up = np.maximum(limits[1] - limits[0], smallest)
+    least, foot = (LEGEND, FOOT) if legend else (1, 0)
     body = min(PAGE * up / across, TALLEST)
-    width = min(PAGE, max(body * across / up, LEGEND if foot else 1))
-    height = body + foot
+    width, height = min(PAGE, max(body * across / up, least)), body + foot
     figure = Figure(figsize=(width, height))
     return canvas(limits, figure.add_axes((0, foot / height, 1, body / height)))
 

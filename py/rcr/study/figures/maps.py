@@ -18,15 +18,12 @@ from rcr.frame import Frame
 from rcr.network import SIDE_SIDE
 
 
-FOOT = 0.45  # height of the legend [in]
-
-
 def _canvas(network):
     """Return the network as a frame, within its periodic cell, and Axes with its extent."""
     frame = Frame.of(network)
     for columns in frame.grains, frame.contacts:
         columns["position"] = columns["position"] + frame.wrap(columns["position"])
-    return frame, drawing.page(frame.extent(), FOOT)
+    return frame, drawing.page(frame.extent(), True)
 
 
 def _grains(frame, ax, colors, edge="0.5"):
