@@ -26,7 +26,7 @@ def add_peers(parser):
 
 
 def store(program, options, columns, measured):
-    """Print the tables {name: rows} of `measured(options)`, and write them as CSV into --out."""
+    """Write the tables {name: rows} of `measured(options)` as CSV into --out, and print them."""
     given = {name: value for name, value in vars(options).items()
              if name not in ("out", "overwrite")}
     made = [f"{name}.csv" for name in columns]
@@ -35,8 +35,9 @@ def store(program, options, columns, measured):
         tables = measured(options)
         begin()
         for name, rows in tables.items():
-            _show(name, rows, columns[name])
             files.write(os.path.join(options.out, f"{name}.csv"), files.table(columns[name], rows))
+    for name, rows in tables.items():  # last, since a closed pipe ends the script
+        _show(name, rows, columns[name])
 
 
 def _show(title, rows, columns):
