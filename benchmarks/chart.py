@@ -13,14 +13,12 @@ settings are not run again, so an interrupted call resumes. A larger --limit rep
 out of time. Times are processor time of one thread.
 """
 
-import argparse
+import contextlib
 import io
 import json
+import multiprocessing
 import os
 import shlex
-import subprocess
-import sys
-import threading
 
 os.environ["OMP_NUM_THREADS"] = "1"  # before NumPy is imported
 import matplotlib
@@ -28,11 +26,10 @@ import yade  # noqa: F401
 from tqdm import tqdm
 
 matplotlib.use("Agg")
-from benchmarks import charts, outside, tables
+tqdm.monitor_interval = 0  # no thread, so that a fork is safe
+from benchmarks import charts, tables
 from rcr import script
 from rcr._data import files, results
-
-MARK = "chart.py rows: "  # begins a line of results; YADE and libraries print other lines
 
 
 def arguments():
@@ -54,7 +51,6 @@ def arguments():
     add("--retry", action="store_true", help="run the points without numbers again")
     add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=None, metavar="S",
         help="time limit of a point [s] (default: 200, --quick 40)")
-    add("--worker", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.only and len(given.charts) != 1:
         parser.error(f"--only {given.only}: say which chart it is of, --charts C")
@@ -75,48 +71,48 @@ def command(letter, point, given):
 
 # ---- the process that computes
 
-def work(options):
-    """Answer each line (chart, point) on stdin by a line of rows on stdout."""
-    for line in sys.stdin:
-        letter, point = json.loads(line)
-        try:
-            rows = [dict(status="ok") | row for row in charts.chart(letter).run(point, options)]
-        except (ValueError, RuntimeError, OSError) as error:
-            rows = [dict(status=f"{type(error).__name__}: {error}".splitlines()[0][:200])]
-        print(MARK + json.dumps(rows), flush=True)
+def work(pipe, other_end, options):
+    """Answer each (chart, point) of a pipe by its rows; YADE and libraries print nothing."""
+    other_end.close()
+    with open(os.devnull, "w") as nothing:
+        os.dup2(nothing.fileno(), 1)
+        os.dup2(nothing.fileno(), 2)
+    with contextlib.suppress(EOFError):
+        while True:
+            letter, point = pipe.recv()
+            try:
+                rows = [dict(status="ok") | row for row in charts.chart(letter).run(point, options)]
+            except (ValueError, RuntimeError, OSError) as error:
+                rows = [dict(status=f"{type(error).__name__}: {error}".splitlines()[0][:200])]
+            pipe.send(rows)
 
 
 class Worker:
     """A separate process for the points, which a time limit or a crash of YADE may end."""
 
-    def __init__(self, limit):
-        self.limit, self.process = limit, None
+    def __init__(self, options):
+        self.options, self.process = options, None
 
     def run(self, letter, point):
         """Rows of a point; on a time limit or a crash, one row with its status."""
         if self.process is None:
-            arguments = [sys.executable, os.path.realpath(sys.argv[0]), *sys.argv[1:], "--worker"]
-            streams = dict(stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-            self.process = subprocess.Popen(arguments, **streams, text=True,
-                                            pass_fds=outside.pipes())
-        self.process.stdin.write(json.dumps([letter, point]) + "\n")
-        self.process.stdin.flush()
-        timer = threading.Timer(self.limit, self.process.kill)
-        timer.start()
-        answer = next((line for line in self.process.stdout if line.startswith(MARK)), None)
-        expired = not timer.is_alive()
-        timer.cancel()
-        if answer is not None:
-            return json.loads(answer[len(MARK) :])
-        code = self.process.wait()
+            self.pipe, end = multiprocessing.Pipe()
+            self.process = multiprocessing.get_context("fork").Process(
+                target=work, args=(end, self.pipe, self.options), daemon=True)
+            self.process.start()
+            end.close()
+        self.pipe.send((letter, point))
+        try:
+            if self.pipe.poll(self.options.limit):
+                return self.pipe.recv()
+            status = f"{charts.GIVEN_UP}{self.options.limit:g} s"
+            self.process.kill()
+            self.process.join()
+        except EOFError:
+            self.process.join()
+            status = f"the process ended with code {self.process.exitcode}"
         self.process = None
-        return [dict(status=f"{charts.GIVEN_UP}{self.limit:g} s"
-                     if expired else f"the process ended with code {code}")]
-
-    def end(self):
-        if self.process:
-            self.process.stdin.close()
-            self.process.wait()
+        return [dict(status=status)]
 
 
 # ---- the script
@@ -155,15 +151,12 @@ def draw(letter, given, options, worker):
 
 def main():
     given, options = arguments()
-    if given.worker:
-        return work(options)
     parameters = dict(charts=given.charts, quick=options.quick, particles=options.particles,
                       siconos=options.siconos, limit=options.limit)
     with results.claim_folder(options.out, "chart.py", parameters, [], free=list(parameters),
                               resume=True, wait=True) as begin:
         begin()  # several calls may fill a folder; each row has its settings
-    worker = Worker(options.limit)
+    worker = Worker(options)
     for letter in given.charts:
         with results.lock_folder(options.out, f".lock-{letter}"):
             draw(letter, given, options, worker)
-    worker.end()

@@ -27,8 +27,8 @@ def stay():
 
 
 def pipes():
-    """Descriptors of the pipes to the server, for child processes; () without a server."""
-    return tuple(map(int, os.environ[_PIPES].split(","))) if _PIPES in os.environ else ()
+    """Descriptors of the pipes to the server."""
+    return tuple(map(int, os.environ[_PIPES].split(",")))
 
 
 def run(arguments, try_here=False):
