@@ -1,14 +1,11 @@
-// Bindings of kernel internals for tests: error measures, layout, exact steps, lanes.
+// Bindings of kernel internals for tests: error measures, layout, exact steps.
 #include <pybind11/stl.h>
-
-#include <set>
 
 #include "exact/path_following.hpp"
 #include "kernel_arrays.hpp"
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
 #include "step/yield_bounds.hpp"
-#include "sweep/lane/lane_check.hpp"
 #include "sweep/packed_problem.hpp"
 
 namespace rcr {
@@ -30,39 +27,12 @@ namespace {
 
 	// ---- linear algebra
 
-	/// Pairs of different rows, each once.
-	std::vector<BlockLu::Pair> pairsFrom(const py::object& given, std::int32_t size)
-	{
-		const Ids ids = idsFrom(given, "pairs");
-		if (ids.size() > 0) requireShape(ids, "pairs", { ids.shape(0), 2 });
-		std::vector<BlockLu::Pair> pairs;
-		std::set<BlockLu::Pair>    seen;
-		for (py::ssize_t k = 0; k < (ids.size() > 0 ? ids.shape(0) : 0); ++k) {
-			const std::int32_t i = ids.at(k, 0), j = ids.at(k, 1);
-			const std::string  what = "pairs[" + std::to_string(k) + "] = (" + std::to_string(i)
-			        + ", " + std::to_string(j) + ")";
-			if (std::min(i, j) < 0 || std::max(i, j) >= size)
-				refuse(what, "; expected rows from 0 to ", size - 1);
-			if (i == j) refuse(what, "; expected two different rows");
-			if (!seen.insert(std::minmax(i, j)).second)
-				refuse(what, " is given twice; expected each pair once");
-			pairs.emplace_back(i, j);
-		}
-		return pairs;
-	}
-
 	/// x of A x = b for a matrix of 3×3 blocks: diagonal (n, 3, 3), A_ij and A_ji of every pair (i,
 	/// j), b (n, 3).
-	Array solveBlocks(const py::object& givenPairs, const Array& diagonal, const Array& upper,
-	        const Array& lower, const Array& b)
+	Array solveBlocks(const std::vector<BlockLu::Pair>& pairs, const Array& diagonal,
+	        const Array& upper, const Array& lower, const Array& b)
 	{
-		const py::ssize_t                n     = rowsOf(b);
-		const std::vector<BlockLu::Pair> pairs = pairsFrom(givenPairs, std::int32_t(n));
-		const py::ssize_t                count = pairs.size();
-		requireShape(b, "b", { n, 3 });
-		requireShape(diagonal, "diagonal", { n, 3, 3 });
-		requireShape(upper, "upper", { count, 3, 3 });
-		requireShape(lower, "lower", { count, 3, 3 });
+		const py::ssize_t n = rowsOf(b), count = pairs.size();
 		const auto copy = [](const Array& from, py::ssize_t k, Block& to) {
 			for (int i = 0; i < 3; ++i)
 				for (int j = 0; j < 3; ++j)
@@ -150,56 +120,6 @@ namespace {
 		        "blocks2"_a = blocks2, "records"_a = records, "record_count"_a = layout.records());
 	}
 
-	// ---- lanes
-
-	/// Operand of a lane operation.
-	struct alignas(64) Operand {
-		double value[blockWidth];
-
-		Operand() = default;
-		explicit Operand(const Array& from) { std::copy_n(from.data(), blockWidth, value); }
-	};
-
-	Array applyLanes(
-	        int lanes, const std::string& name, const Array& a, const Array& b, const Array& c)
-	{
-		const auto* const begin = std::begin(laneOperations);
-		const auto* const found = std::find(begin, std::end(laneOperations), name);
-		if (found == std::end(laneOperations)) refuse("operation '", name, "' is not known");
-		for (const Array* array : { &a, &b, &c })
-			requireShape(*array, "operand", { blockWidth });
-		const Operand x(a), y(b), z(c);
-		Operand       out;
-		laneCheck(lanes).apply(found - begin, x.value, y.value, z.value, out.value);
-		return Array(blockWidth, out.value);
-	}
-
-	/// Half records (n, 2) after copies of whole or half records from places to places, in halves.
-	Array moveLanes(int lanes, bool whole, const Array& records, const py::object& givenFrom,
-	        const py::object& givenTo)
-	{
-		const Ids from = idsFrom(givenFrom, "from"), to = idsFrom(givenTo, "to");
-		const int count = int(rowsOf(records));
-		requireShape(records, "records", { count, 2 });
-		requireShape(from, "from", { blockWidth });
-		requireShape(to, "to", { blockWidth });
-		std::vector<double, LaneAllocator<double>> body(2 * count + 2);
-		std::copy_n(records.data(), 2 * count, body.begin());
-		PairBlock places;
-		for (int lane = 0; lane < blockWidth; ++lane) {
-			for (const int place : { from.at(lane), to.at(lane) })
-				if (place < 0 || place + whole >= count || (whole && place % 2))
-					refuse("a place is out of range");
-			places.body1[lane] = offsetOf(from.at(lane));
-			places.body2[lane] = offsetOf(to.at(lane));
-		}
-		const LaneCheck& check = laneCheck(lanes);
-		(whole ? check.moveBodies : check.moveCenters)(body.data(), places.body1, places.body2);
-		Array result({ py::ssize_t(count), py::ssize_t(2) });
-		std::copy_n(body.begin(), 2 * count, result.mutable_data());
-		return result;
-	}
-
 } // namespace
 
 void bindInternals(py::module_& m)
@@ -222,8 +142,8 @@ void bindInternals(py::module_& m)
 
 	m.def("solve_blocks", solveBlocks, "pairs"_a, "diagonal"_a, "upper"_a, "lower"_a, "b"_a,
 	        "Solve A x = b, b (n, 3), for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and\n"
-	        "for the pairs (i, j), (np, 2): upper = A_ij, lower = A_ji, both (np, 3, 3). Raises\n"
-	        "ValueError for invalid or repeated pairs, and if a diagonal block becomes singular.");
+	        "for pairs (i, j) of different rows, each once: upper = A_ij, lower = A_ji, both\n"
+	        "(np, 3, 3). Raises ValueError if a diagonal block becomes singular.");
 	m.def("follow_path", followPathFrom, "rho"_a, "max_pivots"_a,
 	        "One proximal step about the impulses of a problem; arrays as in `solve`.\n"
 	        "Returns a dict: impulse, complete, pivots, unstable.");
@@ -237,10 +157,6 @@ void bindInternals(py::module_& m)
 
 	m.def("lane_width", [](int lanes) { return packedKernels(lanes).width; }, "lanes"_a,
 	        "Vector width that runs for `lanes`, in contact points; 0: that of the processor.");
-	m.def("apply_lanes", applyLanes, "lanes"_a, "operation"_a, "a"_a, "b"_a, "c"_a,
-	        "Apply an operation of lane.hpp to 16 numbers.");
-	m.def("move_lanes", moveLanes, "lanes"_a, "whole"_a, "records"_a, "source"_a, "target"_a,
-	        "Copy records through the registers of lane_records.hpp.");
 }
 
 } // namespace rcr

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from kernel.contact_problems import (PROBLEMS, SWEEPS, assert_lanes_and_threads_change_no_bit,
-                                     assert_solved, hub, jacobian_times, pile)
+                                     assert_solved, discs, frictionless, hub, jacobian_times, pile)
+from rcr import _kernel
 
 
 @pytest.mark.parametrize("make", PROBLEMS)
@@ -12,6 +13,29 @@ def test_reaches_the_tolerance_and_reports_it(make, solver):
     """Lanes and threads change no bit."""
     assert_solved(make().cold(), solver, 1e-4 if solver == "nesterov" else 1e-3)
     assert_lanes_and_threads_change_no_bit(make(), solver, tolerance=0, max_iterations=35)
+
+
+@pytest.mark.parametrize("solver", SWEEPS)
+@pytest.mark.parametrize("size, special", [(1e-322, lambda x: (x == 0) & np.signbit(x)),
+                                           (1.7e308, np.isinf), (1.7e308, np.isnan)])
+def test_lanes_change_no_bit_of_special_numbers(size, special, solver):
+    """Denormal numbers, zeros of either sign, infinities and NaNs. Squares vanish or overflow."""
+    rng, found = np.random.default_rng(0), []
+    for problem in pile(1), frictionless(pile(1)), discs(pile(1)):
+        problem["impulse"] = rng.uniform(-1, 1, problem["impulse"].shape)
+        for key in "impulse", "free_velocity", "bias":
+            problem[key] = size * problem[key]
+        settings = dict(tolerance=0, max_iterations=5)
+        assert_lanes_and_threads_change_no_bit(problem, solver, [(1, 1), (4, 1), (8, 1)],
+                                               **settings)
+        found.append(special(problem.solve(solver, **settings)["velocity"]).any())
+    assert any(found)
+
+
+def test_lane_widths():
+    """The width is the given one, or less if the processor has less; 8 lanes are two registers."""
+    width = {lanes: _kernel.lane_width(lanes) for lanes in (1, 4, 8, 0)}
+    assert width[1] == 1 and width[4] in (1, 4) and width[8] in (1, 8, 16) and width[0] == width[8]
 
 
 @pytest.mark.parametrize("share", [0.05, 0.6])

@@ -1,17 +1,12 @@
 // Chooses the compiled lane width that runs on this processor.
-#include "sweep/lane/lane_check.hpp"
+#include "sweep/lane/packed_blocks.hpp"
 
 namespace rcr {
 
-// packed_kernels.cpp and lane_check.cpp, compiled once per width, and the kernels of floats
-#define RCR_COMPILED(lanes, floats)                                                                \
-	namespace lanes {                                                                              \
-		extern const PackedKernels kernels;                                                        \
-		extern const LaneCheck     check;                                                          \
-	}                                                                                              \
-	namespace floats {                                                                             \
-		extern const MomentumKernels<float> kernels;                                               \
-	}
+// packed_kernels.cpp, compiled once per width, for doubles and for floats
+#define RCR_COMPILED(doubles, floats)                                                              \
+	namespace doubles { extern const PackedKernels kernels; }                                      \
+	namespace floats { extern const MomentumKernels<float> kernels; }
 RCR_COMPILED(lanes1, single1)
 RCR_COMPILED(lanes4, single8)
 RCR_COMPILED(lanes8, single16) // two halves per lane without AVX-512
@@ -25,7 +20,6 @@ namespace {
 	struct Kernels {
 		const PackedKernels&          packed;
 		const MomentumKernels<float>& single;
-		const LaneCheck&              check;
 	};
 
 	Kernels chosen(int lanes)
@@ -35,22 +29,21 @@ namespace {
 		static const bool hasAvx2   = hasFma && __builtin_cpu_supports("avx2");
 		static const bool hasAvx512 = hasAvx2 && __builtin_cpu_supports("avx512f")
 		        && __builtin_cpu_supports("avx512vl");
-		if (!hasFma) return { lanes1::kernels, single1::kernels, lanes1::check };
-		if (lanes == 1 || !hasAvx2) return { fma1::kernels, single_fma1::kernels, fma1::check };
+		if (!hasFma) return { lanes1::kernels, single1::kernels };
+		if (lanes == 1 || !hasAvx2) return { fma1::kernels, single_fma1::kernels };
 		if (hasAvx512 && (lanes == 0 || lanes >= 8))
-			return { avx512::kernels, single_avx512::kernels, avx512::check };
+			return { avx512::kernels, single_avx512::kernels };
 #else
-		if (lanes == 1) return { lanes1::kernels, single1::kernels, lanes1::check };
+		if (lanes == 1) return { lanes1::kernels, single1::kernels };
 #endif
-		if (lanes == 4) return { lanes4::kernels, single8::kernels, lanes4::check };
+		if (lanes == 4) return { lanes4::kernels, single8::kernels };
 		// two AVX2 halves hide more latency than one register
-		return { lanes8::kernels, single16::kernels, lanes8::check };
+		return { lanes8::kernels, single16::kernels };
 	}
 
 } // namespace
 
 const PackedKernels&          packedKernels(int lanes) { return chosen(lanes).packed; }
 const MomentumKernels<float>& singleKernels(int lanes) { return chosen(lanes).single; }
-const LaneCheck&              laneCheck(int lanes) { return chosen(lanes).check; }
 
 } // namespace rcr
