@@ -16,11 +16,7 @@ namespace rcr {
 void bindDetectors(py::module_& m)
 {
 	py::class_<ProximalParameter>(m, "ProximalParameter", "ρ of proximal steps.")
-	        .def(py::init([](double start, double min, double max, double rise, double fall,
-	                              int maxPatience) {
-		        return ProximalParameter({ start, min, max, rise, fall, maxPatience });
-	        }),
-	                "start"_a, "min"_a, "max"_a, "rise"_a, "fall"_a, "max_patience"_a)
+	        .def(py::init<>())
 	        .def_property_readonly("rho", &ProximalParameter::rho)
 	        .def("step_converged", &ProximalParameter::stepConverged)
 	        .def("step_failed", &ProximalParameter::stepFailed);

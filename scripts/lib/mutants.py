@@ -113,7 +113,7 @@ TABLE = {
         ("floats-out-of-range", "(std::abs(value) > 1e-12 && std::abs(value) < 1e12)", "true"),
     ],
     "sweep/packed_problem.cpp": [
-        ("reload-keeps-the-overflow", "c.bias          = bias[c.point];", ""),
+        ("reload-keeps-the-overflow", "c.bias          = biasOf(c.point);", ""),
         ("spin-not-scaled-back", "v[record::spin] * inverseGyration_[i]", "v[record::spin]"),
     ],
     "sweep/lane/point_models.hpp": [
@@ -126,8 +126,6 @@ TABLE = {
          "p + relaxation * (solved - p)"),
         ("without-asymmetry", "g.t += (w.tn - w.nt) * p.n;", ""),
         ("driven-bodies-keep-impulses", "problem.impulse[k] = {};", ";"),
-    ],
-    "delassus/delassus_problem.cpp": [
         ("pattern-unchecked", "+ problem.rowStart[j + 1], k))", "+ problem.rowStart[j + 1], j))"),
     ],
     "exact/block_lu.cpp": [
@@ -151,7 +149,7 @@ TABLE = {
         ("no-cold-start", "problem.impulse.assign(problem.points.size(), {});", ""),
     ],
     "exact/proximal_parameter.hpp": [
-        ("patience-without-limit", "std::min(limits_.maxPatience, 2 * patience_)", "2 * patience_"),
+        ("patience-without-limit", "std::min(maxPatience, 2 * patience_)", "2 * patience_"),
     ],
     "parallel/shared_loop.cpp": [
         ("slices-too-large", "maxSlice  = int(indexMask)", "maxSlice  = int(indexMask) + 1"),

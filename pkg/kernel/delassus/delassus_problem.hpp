@@ -40,13 +40,10 @@ struct DelassusProblem {
 	std::vector<Impulse>       velocity; // out: u of the solution
 };
 
-/// Checks array lengths, the pattern of W and every number. Diagonals must be ≥ 0 and friction
-/// within 0 … 1000. Throws std::invalid_argument.
-void checkProblem(const DelassusProblem&);
-
 /// Solves the problem with the solver of that name (solve_delassus.cpp).
 /// Reads the settings of StopTest except kinematicTolerance and meanForceChange.
-/// Throws std::invalid_argument for an unknown solver, a bad setting or a bad problem.
+/// Throws std::invalid_argument for an unknown solver, a bad setting or a bad problem: array lengths,
+/// the pattern of W, numbers that are not finite, diagonals < 0, friction outside 0 … 1000.
 Report solve(DelassusProblem&, const std::string& solver, const Settings&);
 
 } // namespace rcr

@@ -92,13 +92,12 @@ bool Neighbors::update(const Step& step, ThreadTeam& team)
 }
 
 /// Bounding box of a body, enlarged by its alert distance, the margin and `more` [m].
-Neighbors::Box Neighbors::box(std::size_t id, double more) const
+BoundingBox Neighbors::box(std::size_t id, double more) const
 {
 	const Reference& at         = reference_[id];
 	const double     round      = at.alertDistance + margin_ + more;
 	const auto [center, extent] = boundsOf(at.shape, at.pose);
-	const Vec2 half             = extent + Vec2 { round, round };
-	return { center - half, center + half };
+	return { center, extent + Vec2 { round, round } };
 }
 
 void Neighbors::chooseMargin()
@@ -179,10 +178,11 @@ int Neighbors::column(double x) const { return clipped((x - origin_.x) / width_,
 int Neighbors::row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
 
 /// Calls visit(grain) for all grains in the cells that a box touches.
-template <class Visit> void Neighbors::forEachGrain(const Box& box, Visit visit) const
+template <class Visit> void Neighbors::forEachGrain(const BoundingBox& box, Visit visit) const
 {
-	const int left = column(box.low.x), right = column(box.high.x);
-	for (int row = this->row(box.low.y); row <= this->row(box.high.y); ++row)
+	const Vec2 low = box.center - box.half, high = box.center + box.half;
+	const int  left = column(low.x), right = column(high.x);
+	for (int row = this->row(low.y); row <= this->row(high.y); ++row)
 		for (std::int32_t k = firstIn_[row * columns_ + left];
 		        k < firstIn_[row * columns_ + right + 1]; ++k)
 			visit(inCells_[k]);
@@ -199,8 +199,7 @@ void Neighbors::searchNarrow(ThreadTeam& team)
 		        id < std::min(reference_.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
 			if (isWide_[id]) continue;
 			const std::size_t begin = found.size();
-			const Vec2        c     = reference_[id].pose.center, around { width_, width_ };
-			forEachGrain({ c - around, c + around }, [&](std::int32_t other) {
+			forEachGrain({ reference_[id].pose.center, { width_, width_ } }, [&](std::int32_t other) {
 				if (comesFirst(reference_[id].shape, int(id), reference_[other].shape, other)
 				        && near(std::int32_t(id), other))
 					found.push_back({ std::int32_t(id), other });

@@ -38,9 +38,6 @@ private:
 		Pose        pose;
 		double      alertDistance; // ℓ₀
 	};
-	struct Box {
-		Vec2 low, high;
-	};
 
 	static double displacement(const Reference&, const StepBody&);
 	void  find(const Step&, ThreadTeam&);
@@ -50,13 +47,13 @@ private:
 	{
 		reference_[id] = { body.shape, body.pose(), body.alertDistance };
 	}
-	Box  box(std::size_t id, double more) const;
+	BoundingBox box(std::size_t id, double more) const;
 	int  column(double x) const;
 	int  row(double y) const;
 	void chooseMargin();
 	void sortIntoCells();
 	bool near(std::int32_t body1, std::int32_t body2) const;
-	template <class Visit> void forEachGrain(const Box&, Visit) const;
+	template <class Visit> void forEachGrain(const BoundingBox&, Visit) const;
 	void searchNarrow(ThreadTeam&);
 	void searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam&);
 

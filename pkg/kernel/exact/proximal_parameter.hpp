@@ -10,14 +10,6 @@ namespace rcr {
 /// solution takes several steps to leave an unstable state.
 class ProximalParameter {
 public:
-	struct Limits {
-		double start, min, max; // ρ [-]
-		double rise, fall;      // factors of a change
-		int    maxPatience;     // steps at one ρ
-	};
-
-	explicit ProximalParameter(const Limits& limits) : limits_(limits), rho_(limits.start) { }
-
 	double rho() const { return rho_; }
 
 	void stepConverged()
@@ -26,20 +18,23 @@ public:
 		raised_ = ++steps_ >= patience_;
 		if (!raised_) return;
 		steps_ = 0;
-		rho_   = std::min(limits_.max, limits_.rise * rho_);
+		rho_   = std::min(max, change * rho_);
 	}
 
 	void stepFailed()
 	{
-		patience_ = std::min(limits_.maxPatience, 2 * patience_);
+		patience_ = std::min(maxPatience, 2 * patience_);
 		steps_    = 0;
 		raised_   = false;
-		rho_      = std::max(limits_.min, rho_ / limits_.fall);
+		rho_      = std::max(min, rho_ / change);
 	}
 
 private:
-	Limits limits_;
-	double rho_;
+	static constexpr double min = 1e-2, max = 1e6; // rounding dominates above
+	static constexpr double change      = 10;      // factor of a rise or fall
+	static constexpr int    maxPatience = 64;      // steps at one ρ
+
+	double rho_      = 1e3;
 	int    patience_ = 1;     // steps that must converge before the next rise
 	int    steps_    = 0;     // converged since the last change
 	bool   raised_   = false; // by the last step

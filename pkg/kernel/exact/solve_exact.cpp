@@ -27,9 +27,6 @@ namespace {
 	constexpr int pivotSweeps  = 20; // more sweeps per pivot of the path, about the cost of a pivot
 	constexpr int maxPivots    = 2000; // of one path
 
-	/// ρ of each contact. Rounding dominates above 1e6.
-	constexpr ProximalParameter::Limits parameterLimits { 1e3, 1e-2, 1e6, 10, 10, 64 };
-
 	/// The best impulses so far.
 	struct Best {
 		Errors               errors;
@@ -121,7 +118,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 		if (report.yielded) return report;
 	}
 	ProximalProblem                proximal(problem);
-	std::vector<ProximalParameter> rho(proximal.size(), ProximalParameter(parameterLimits));
+	std::vector<ProximalParameter> rho(proximal.size());
 	Best       best { { report.residual, report.kinematicError }, problem.impulse };
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {

@@ -70,15 +70,6 @@ void updateVelocity(ContactProblem& problem)
 	if (problem.stretches()) problem.setStretchRate(stretchRate);
 }
 
-std::vector<double> biases(const ContactProblem& problem)
-{
-	std::vector<double> bias;
-	bias.reserve(problem.points.size());
-	for (const ContactPoint& point : problem.points)
-		bias.push_back(point.bias);
-	return bias;
-}
-
 double drivenSpeed(const ContactProblem& problem)
 {
 	double     fastest = 0;

@@ -126,7 +126,6 @@ struct ContactProblem {
 	}
 };
 
-std::vector<double> biases(const ContactProblem&); // of all points [m/s]
 /// Largest speed of driven motion at a contact point, of bodies and of periodic images [m/s].
 double drivenSpeed(const ContactProblem&);
 

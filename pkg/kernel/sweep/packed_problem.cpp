@@ -193,9 +193,10 @@ template <class Visit> void PackedProblem::forEachPoint(const PackedPair& pair, 
 		        pair.slot % blockWidth);
 }
 
-void PackedProblem::reload(const ContactProblem& problem, const std::vector<double>& bias)
+void PackedProblem::reload(const ContactProblem& problem, const std::vector<double>* bias)
 {
 	const std::vector<PackedPair>& pairs = layout_.pairs();
+	const auto biasOf = [&](int k) { return bias ? (*bias)[k] : problem.points[k].bias; };
 	std::atomic<bool>              changed { false };
 	const auto                     load = [&](double& here, double p) {
         if (here != p) changed.store(true, std::memory_order_relaxed);
@@ -205,14 +206,14 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 		forEachPoint(pairs[k], [&](int point, Column* columns, int lane) {
 			const Impulse                  p = initialImpulse(problem, point);
 			const NoLeverColumnsOf<double> at(columns);
-			at.bias()[lane] = bias[point];
+			at.bias()[lane] = biasOf(point);
 			load(at.pn()[lane], p.n);
 			if (hasFriction(pairs[k].model)) load(at.pt()[lane], p.t);
 		});
 	});
 	for (OverflowPoint& c : overflow_) {
 		const Impulse p = initialImpulse(problem, c.point);
-		c.bias          = bias[c.point];
+		c.bias          = biasOf(c.point);
 		load(c.p.n, p.n);
 		load(c.p.t, p.t);
 	}

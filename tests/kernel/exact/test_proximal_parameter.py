@@ -4,19 +4,17 @@ import pytest
 from rcr import _kernel
 
 
-@pytest.mark.parametrize("changes, steps, expected", [
-    ({}, "+++++", [1e3, 1e4, 1e5, 1e6, 1e6]), (dict(rise=4, max=1500), "+++", [400, 1500, 1500]),
-    ({}, "---", [10, 1, 1]), (dict(fall=16, min=0.5), "---", [6.25, 0.5, 0.5]),
-    (dict(max_patience=1), "-+-+", [10, 100, 10, 100]),  # without patience every step counts
+@pytest.mark.parametrize("steps, expected", [
+    ("++++", [1e4, 1e5, 1e6, 1e6]), ("------", [100, 10, 1, 0.1, 0.01, 0.01]),
     # two steps before the next rise after the first failure, four after the second
-    ({}, "-++-++++", [10, 10, 100, 10, 10, 10, 10, 100]),
-    # at most eight steps; two rises in succession halve the number
-    ({}, "-----" + 16 * "+", [10, *[1] * 11, *[10] * 4, 100, 100, 1e3, 1e4, 1e5]),
-    ({}, "-+-++++", [10, 10, 1, 1, 1, 1, 10]),  # a failed step restarts the count
+    ("-++-++++", [100, 100, 1e3, 100, 100, 100, 100, 1e3]),
+    # at most 64 steps; two rises in succession halve the number
+    (8 * "-" + 126 * "+", [100, 10, 1, 0.1, *67 * [0.01], *32 * [0.1], *16 * [1], *8 * [10],
+                           *4 * [100], *2 * [1e3], 1e4]),
+    ("-+-++++", [100, 100, 10, 10, 10, 10, 100]),  # a failed step restarts the count
 ])
-def test_rises_and_falls(changes, steps, expected):
+def test_rises_and_falls(steps, expected):
     """ρ after each step: + converged, − failed."""
-    one = _kernel.ProximalParameter(**dict(start=100, min=1, max=1e6, rise=10, fall=10,
-                                           max_patience=8) | changes)
+    one = _kernel.ProximalParameter()
     step = {"+": one.step_converged, "-": one.step_failed}
-    assert [(step[sign](), one.rho)[1] for sign in steps] == expected
+    assert [(step[sign](), one.rho)[1] for sign in steps] == pytest.approx(expected)
