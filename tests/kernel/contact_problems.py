@@ -145,10 +145,18 @@ def assert_lanes_and_threads_change_no_bit(problem, solver, choices=LANES_AND_TH
         assert_same_bits(solve(lanes, threads), first, where, EQUAL)
 
 
+def models_in_a_workspace(*problems, **settings):
+    """Models of problems that one workspace solves, with the bits of separate solves."""
+    workspace, models = _kernel.Workspace(), []
+    for problem in problems:
+        kept = problem.solve(workspace=workspace, **settings)
+        assert_same_bits(kept, problem.solve(**settings), problem.name, EQUAL)
+        models.append(workspace.model)
+    return models
+
+
 def model(problem, **settings):
-    workspace = _kernel.Workspace()
-    problem.solve(tolerance=0, max_iterations=1, workspace=workspace, **settings)
-    return workspace.model
+    return models_in_a_workspace(problem, tolerance=0, max_iterations=1, **settings)[0]
 
 
 def without(*names):

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from kernel.contact_problems import (ALL, EQUAL, SWEEPS, assert_laws, assert_same_bits,
                                      assert_solved, beside, discs, errors, frictionless,
-                                     grains_on_a_floor, heaps, model, parts_of, pile, square_discs,
-                                     stored, without)
-from rcr import _kernel
+                                     grains_on_a_floor, heaps, model, models_in_a_workspace,
+                                     parts_of, pile, square_discs, stored, without)
 
 FINE = dict(tolerance=1e-11, max_iterations=100_000, kinematic_tolerance=np.inf)
 
@@ -112,15 +111,8 @@ def test_the_model_follows_the_problem(change):
         after["arm1"][11] += 0.1 * np.array([-after["normal"][11, 1], after["normal"][11, 0]])
     else:
         after["inverse_mass"][floor] = 0.01
-    workspace = _kernel.Workspace()
-    models = []
-    for problem in (before, after, before):
-        settings = dict(tolerance=0, max_iterations=25)
-        kept = problem.solve(workspace=workspace, **settings)
-        assert_same_bits(kept, problem.solve(**settings), problem.name, EQUAL)
-        models.append(workspace.model)
-        del models[-1]["layouts"]
-    first, second, third = models
+    models = models_in_a_workspace(before, after, before, tolerance=0, max_iterations=25)
+    first, second, third = ({**found, "layouts": None} for found in models)
     assert first == third != second
     assert first["rotations"] == 0 and first["frictionless"]
     if change == "freed":

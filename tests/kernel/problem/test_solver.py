@@ -10,6 +10,8 @@ from kernel.contact_problems import (assert_laws, assert_same_bits, assert_solve
     ({"solver": "newton"}, "newton"), ({"tolerance": -1.0}, "tolerance = -1"),
     ({"tolerance": float("nan")}, "tolerance = nan"), ({"threads": 0}, "threads = 0"),
     ({"max_iterations": 0}, "maxIterations = 0"), ({"lanes": 3}, "lanes = 3"),
+    *(({"yield_compliance": value}, "yieldCompliance") for value in (-1.0, np.nan)),
+    *(({"yield_impulse": value}, "yieldImpulse") for value in (0.0, -1.0, np.nan)),
     ({"reductions": ["islands", "walls"]},
      "reduction 'walls' is not known; expected one of frictionless, discs, fixed, islands"),
 ])

@@ -208,8 +208,6 @@ def test_models():
         mixed["friction"] = np.where(
             np.random.default_rng(0).random(pair.max() + 1)[pair] < share, 0, 0.4)
         assert models(mixed) == expected, f"{share} of the pairs without friction"
-
-
     problems = grains_on_a_floor(1, points=2), hub(FEW_PAIRS), hub(FEW_PAIRS + 1)
     chunks = [_kernel.layout(ALL, **problem)["chunks"] for problem in problems]
     assert [len(found) > 0 for found in chunks] == [False, False, True]

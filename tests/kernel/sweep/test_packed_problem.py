@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import EQUAL, SWEEPS, assert_same_bits, assert_solved, pile, without
+from kernel.contact_problems import (EQUAL, SWEEPS, assert_same_bits, assert_solved,
+                                     models_in_a_workspace, pile, without)
 from rcr import _kernel
 
 
@@ -21,17 +22,20 @@ def shear_steps(seed, steps):
 
 @pytest.mark.parametrize("solver", SWEEPS)
 def test_a_workspace_follows_pairs_that_come_and_go(solver):
-    """It has a new layout exactly where pairs change. A kept layout changes no bit."""
-    workspace, other = _kernel.Workspace(), _kernel.Workspace()
-    before, changes = None, 0
+    """It has a new layout exactly where pairs change. Kept layouts change no bit at any lanes and
+    threads.
+    """
+    workspaces = {choice: _kernel.Workspace() for choice in ((1, 1), (4, 1), (8, 2), (8, 4))}
+    other, before, changes = _kernel.Workspace(), None, 0
     for problem in shear_steps(5, 60):
-        kept = assert_solved(problem, solver, 1e-3, workspace=workspace)
-        fresh = problem.solve(solver, tolerance=1e-3, max_iterations=20_000, workspace=other,
-                              reductions=without("layout"))
-        assert_same_bits(kept, fresh, problem.name)
+        fresh = assert_solved(problem, solver, 1e-3, workspace=other, reductions=without("layout"))
+        for (lanes, threads), workspace in workspaces.items():
+            kept = problem.solve(solver, tolerance=1e-3, max_iterations=20_000, lanes=lanes,
+                                 threads=threads, workspace=workspace)
+            assert_same_bits(kept, fresh, f"{problem.name}, {lanes} lanes, {threads} threads")
         changes += before is None or not np.array_equal(before, problem["bodies"])
         before = problem["bodies"]
-    assert workspace.model["layouts"] == changes < 60 == other.model["layouts"]
+    assert workspaces[1, 1].model["layouts"] == changes < 60 == other.model["layouts"]
 
 
 def altered(problem, rng):
@@ -65,39 +69,20 @@ def test_a_workspace_keeps_no_trace(solver):
             assert_same_bits(kept, alone, f"seed {seed}, solve {number}", EQUAL)
 
 
-def test_a_workspace_changes_no_bit_with_lanes_and_threads():
-    results = []
-    for lanes, threads in ((1, 1), (4, 1), (8, 2), (8, 4)):
-        workspace = _kernel.Workspace()
-        settings = dict(max_iterations=10, lanes=lanes, threads=threads, workspace=workspace)
-        results.append([p.solve(tolerance=0, **settings) for p in shear_steps(6, 30)])
-    for step, (first, *others) in enumerate(zip(*results)):
-        for other in others:
-            assert_same_bits(other, first, f"step {step}")
-
-
 def test_a_workspace_takes_any_problem():
-    workspace = _kernel.Workspace()
     a, b = pile(1), pile(3, 5, 4)
     mixed = a.at_points("mixed", np.random.default_rng(0).permutation(len(a["bodies"])))
     none = a.at_points("none", [])
-    for problem in (a, b, mixed, none, a):
-        alone, kept = (problem.solve(tolerance=0, max_iterations=20, workspace=w)
-                       for w in (None, workspace))
-        assert_same_bits(kept, alone, problem.name)
+    models_in_a_workspace(a, b, mixed, none, a, tolerance=0, max_iterations=20)
     assert none.solve()["converged"] and none.solve()["iterations"] == 0
 
 
 def test_islands_come_and_go_in_a_workspace():
     """Pairs that vanish and return split and join islands: equal bits."""
-    whole = pile(11, 24, 3)
-    rng = np.random.default_rng(0)
-    workspace = _kernel.Workspace()
-    seen = set()
-    for step in range(30):
-        kept = rng.random(len(whole["bodies"])) < rng.choice([0.1, 0.4, 0.9])
-        problem = whole.at_points(f"step {step}", kept)
-        kept = assert_solved(problem, tolerance=1e-3, workspace=workspace)
-        assert_same_bits(kept, assert_solved(problem, tolerance=1e-3), problem.name, EQUAL)
-        seen.add(workspace.model["islands"])
-    assert len(seen) > 5
+    whole, rng = pile(11, 24, 3), np.random.default_rng(0)
+    kept = lambda: rng.random(len(whole["bodies"])) < rng.choice([0.1, 0.4, 0.9])
+    problems = [whole.at_points(f"step {step}", kept()) for step in range(30)]
+    models = models_in_a_workspace(*problems, tolerance=1e-3, max_iterations=20_000)
+    assert len({model["islands"] for model in models}) > 5
+    for problem in problems:
+        assert_solved(problem, tolerance=1e-3)
