@@ -147,12 +147,6 @@ void bindInternals(py::module_& m)
 	m.def("follow_path", followPathFrom, "rho"_a, "max_pivots"_a,
 	        "One proximal step about the impulses of a problem; arrays as in `solve`.\n"
 	        "Returns a dict: impulse, complete, pivots, unstable.");
-	py::class_<Coloring>(m, "Coloring", "Greedy colouring of pairs.")
-	        .def(py::init<std::size_t>(), "bodies"_a)
-	        .def("take", &Coloring::take, "body1"_a, "moves1"_a, "body2"_a, "moves2"_a,
-	                "Assign a colour; −1: overflow.")
-	        .def_property_readonly_static("colors",
-	                [](const py::object&) { return Coloring::colors; });
 	m.def("layout", layoutOf, "reductions"_a, "Layout of a problem; arrays as in `solve`.");
 
 	m.def("lane_width", [](int lanes) { return packedKernels(lanes).width; }, "lanes"_a,

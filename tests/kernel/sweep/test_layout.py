@@ -9,6 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 WIDTH, NO_SLOT = 16, -1  # slots of a block; a pair without slot
+COLOURS = 16
 FRICTIONAL, NO_LEVER, FRICTIONLESS, FRICTIONLESS_DISC = range(4)
 FEW_PAIRS, MANY_PAIRS = 16, 1024  # limits of islands: all overflow; one thread
 
@@ -101,9 +102,29 @@ def test_every_pair_has_a_slot_or_is_overflow(case):
     special = ~(fixed | regular)[pairs[:, :2]].all(1) | (of < 0)
     assert (slots[small | special] == NO_SLOT).all()
     if problem.name == "hub":  # one colour per pair
-        assert (slots != NO_SLOT).sum() == _kernel.Coloring.colors
+        assert (slots != NO_SLOT).sum() == COLOURS
     else:
         assert (slots[~(small | special)] != NO_SLOT).all()
+
+
+def test_a_pair_takes_the_lowest_colour_that_is_free_at_both_bodies(case):
+    """Driven bodies take none. The chunks of a section are in the order of their colours."""
+    problem, layout = case
+    fixed, _ = kinds(problem)
+    chunks = layout["chunks"].tolist()
+    of_block = [number for number, chunk in enumerate(chunks) for _ in range(chunk[1])]
+    taken, found = {}, {}  # colours at a body of a section; (section, colour, …) of each chunk
+    for *bodies, points, model, slot in layout["pairs"].tolist():
+        if slot == NO_SLOT:
+            continue
+        number = of_block[slot // WIDTH]
+        section = chunks[number][4]
+        at = [taken.setdefault((section, b), set()) for b in bodies if not fixed[b]]
+        colour = min(set(range(COLOURS)).difference(*at))
+        [colours.add(colour) for colours in at]
+        found.setdefault(number, set()).add((section, colour, model, -points))
+    order = [key for number in sorted(found) for key in found[number]]
+    assert order == sorted(set(order)) and len(order) == len(chunks)
 
 
 def bodies_of(problem, layout, chunks):
