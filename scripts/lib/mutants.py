@@ -116,6 +116,9 @@ TABLE = {
         ("reload-keeps-the-overflow", "c.bias          = biasOf(c.point);", ""),
         ("spin-not-scaled-back", "v[record::spin] * inverseGyration_[i]", "v[record::spin]"),
     ],
+    "sweep/lane/lane.hpp": [
+        ("min-in-the-other-order", "min_##type(a.value, b.value)", "min_##type(b.value, a.value)"),
+    ],
     "sweep/lane/point_models.hpp": [
         ("slides-one-way", "max(min(t0, n0 * L::load(c.slidePlus() + lane))", "max(t0"),
         ("friction-without-coupling", "{ subtractProduct(n0, ratio, t), t };", "{ n0, t };"),

@@ -84,13 +84,6 @@ static void checkNumbers(const DelassusProblem& problem)
 	}
 }
 
-static void checkProblem(const DelassusProblem& problem)
-{
-	checkSizes(problem);
-	checkPattern(problem);
-	checkNumbers(problem);
-}
-
 namespace {
 
 	class Sweeps {
@@ -223,7 +216,9 @@ namespace {
 Report solve(DelassusProblem& problem, const std::string& solver, const Settings& settings)
 {
 	checkSettings(solver, settings);
-	checkProblem(problem);
+	checkSizes(problem);
+	checkPattern(problem);
+	checkNumbers(problem);
 	Sweeps   sweeps(problem);
 	Momentum momentum; // β = 0 in the first sweep
 	StopTest stop(settings);

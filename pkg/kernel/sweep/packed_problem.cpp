@@ -65,11 +65,11 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	});
 	freeBody_           = body_;
 	inverseStretchMass_ = problem.inverseStretchMass;
-	stretchRate_            = {};
+	stretchRate_        = {};
 	overflow_.clear();
 	states_.assign(islands(), {});
 	for (int number = 0; number < islands(); ++number) {
-		const Island& island          = layout_.islands()[number];
+		const Island& island           = layout_.islands()[number];
 		states_[number].overflow.begin = int(overflow_.size());
 		for (int k = island.overflow.begin; k < island.overflow.end; ++k)
 			addToOverflow(problem, pairs[layout_.overflow()[k]], island.halfRecords);
@@ -79,7 +79,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		island.prepare();
 		island.recomputeVelocities();
 	});
-	oldBody_    = body_;
+	oldBody_        = body_;
 	oldStretchRate_ = stretchRate_;
 }
 
@@ -196,9 +196,9 @@ template <class Visit> void PackedProblem::forEachPoint(const PackedPair& pair, 
 void PackedProblem::reload(const ContactProblem& problem, const std::vector<double>* bias)
 {
 	const std::vector<PackedPair>& pairs = layout_.pairs();
-	const auto biasOf = [&](int k) { return bias ? (*bias)[k] : problem.points[k].bias; };
-	std::atomic<bool>              changed { false };
-	const auto                     load = [&](double& here, double p) {
+	const auto        biasOf = [&](int k) { return bias ? (*bias)[k] : problem.points[k].bias; };
+	std::atomic<bool> changed { false };
+	const auto        load = [&](double& here, double p) {
         if (here != p) changed.store(true, std::memory_order_relaxed);
         here = p;
 	};
