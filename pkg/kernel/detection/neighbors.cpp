@@ -91,15 +91,6 @@ bool Neighbors::update(const Step& step, ThreadTeam& team)
 	return true;
 }
 
-/// Bounding box of a body, enlarged by its alert distance, the margin and `more` [m].
-BoundingBox Neighbors::box(std::size_t id, double more) const
-{
-	const Reference& at         = reference_[id];
-	const double     round      = at.alertDistance + margin_ + more;
-	const auto [center, extent] = boundsOf(at.shape, at.pose);
-	return { center, extent + Vec2 { round, round } };
-}
-
 void Neighbors::chooseMargin()
 {
 	std::vector<double> paths;
@@ -227,7 +218,9 @@ void Neighbors::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam
 			        && near(pair.first, pair.second))
 				found_[k].push_back(pair);
 		};
-		forEachGrain(box(id, 0.5 * width_), [&](std::int32_t other) {
+		const auto [center, half] = boundsOf(reference_[id].shape, reference_[id].pose);
+		const double around       = reference_[id].alertDistance + margin_ + 0.5 * width_;
+		forEachGrain({ center, half + Vec2 { around, around } }, [&](std::int32_t other) {
 			if (!isWide_[other]) take(other);
 		});
 		for (std::int32_t other : wide_)

@@ -47,7 +47,6 @@ private:
 	{
 		reference_[id] = { body.shape, body.pose(), body.alertDistance };
 	}
-	BoundingBox box(std::size_t id, double more) const;
 	int  column(double x) const;
 	int  row(double y) const;
 	void chooseMargin();
