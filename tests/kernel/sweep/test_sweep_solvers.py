@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 from kernel.contact_problems import (PROBLEMS, SWEEPS, assert_lanes_and_threads_change_no_bit,
-                                     assert_solved, discs, frictionless, hub, jacobian_times, pile)
+                                     assert_laws, assert_solved, discs, frictionless, hub,
+                                     jacobian_times, models_in_a_workspace, pile)
 from rcr import _kernel
+
+CELL_MASS = np.array([400.0, 240.0])  # M_c [kg m²]
 
 
 @pytest.mark.parametrize("make", PROBLEMS)
@@ -81,3 +84,34 @@ def test_stop_criteria():
     stuck = problem.solve("nlgs", tolerance=1e-300, max_iterations=20000, stall_sweeps=50)
     assert not stuck["converged"] and stuck["iterations"] < 20000
     assert problem.solve(tolerance=0, max_iterations=33)["iterations"] == 33
+
+
+# ---- a periodic cell that contacts stretch: an additional body of the problem
+
+def in_a_cell(seed, stretches=True):
+    problem, rng = pile(seed, 20, 12), np.random.default_rng(seed)
+    pairs, pair_of = np.unique(problem["bodies"], axis=0, return_inverse=True)
+    images = rng.choice([-1.0, 0, 1], (len(pairs), 2), p=[0.05, 0.9, 0.05]) * (20.0, 12.0)
+    problem["shift"] = images[pair_of.ravel()]
+    mass = dict(inverse_stretch_mass=1 / CELL_MASS) if stretches else {}
+    return problem.copy(f"cell {seed}", **mass)
+
+
+@pytest.mark.parametrize("solver", [*SWEEPS, "exact", "auto"])
+def test_contacts_stretch_the_cell_and_hold_their_laws(solver):
+    problem = in_a_cell(4)
+    found = problem.solve(solver, tolerance=1e-6, max_iterations=20000)
+    p, n = found["impulse"], problem["normal"]
+    forces = p[:, :1] * n + p[:, 1:] * np.column_stack([-n[:, 1], n[:, 0]])
+    stretch = (forces * problem["shift"]).sum(0) / CELL_MASS
+    np.testing.assert_allclose(found["stretch_rate"], stretch, rtol=1e-12, atol=1e-14)
+    assert np.abs(stretch * problem["shift"]).max() > 1e-4, "contacts must stretch the cell"
+    assert_laws(problem.copy(problem.name, drift=stretch * problem["shift"]), found, 1e-6)
+
+
+def test_workspace_follows_cells_that_stretch_or_not():
+    """Bodies at the boundary of a stretching cell belong to one island."""
+    settings = dict(tolerance=0, max_iterations=25)
+    still, stretching = in_a_cell(4, False), in_a_cell(4)
+    models_in_a_workspace(still, stretching, still, stretching, **settings)
+    assert_lanes_and_threads_change_no_bit(stretching, "nesterov", **settings)
