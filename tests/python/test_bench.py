@@ -12,6 +12,7 @@ from rcr import _kernel, problems
 from rcr.network import Network
 from scipy.sparse import csc_array
 
+import synthetic
 from common import answer, complaint, ended, python, refused, rows_of
 from problem_files import npz
 
@@ -19,6 +20,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 from benchmarks import measure
 from benchmarks import packing as packings
+from benchmarks import points_of_sides
 
 
 def lattice(count=25, seed=3):
@@ -281,3 +283,30 @@ def test_charts_compact_again_under_another_protocol(tmp_path, monkeypatch):
     changed = dataclasses.replace(charts.PROTOCOL, balance_tolerance=1e-3)
     monkeypatch.setattr(charts, "PROTOCOL", changed)
     assert biaxial_cost.compacted(0.5, 1, options) != first and test.compact.call_count == 2
+
+
+def sides(force=8.0):
+    """Two rods whose sides touch; the force acts at 3/4 of the shadow, from x = −0.4 to 1."""
+    found = synthetic.network(np.array([np.pi / 2]), np.array([[1.0, -0.6]]),
+                              np.array([[force, 0.0]]), points=np.array([2]),
+                              type=np.array([2]), position=np.array([[0.65, 0.5]]))
+    found.particles["position"][1] = (0.6, 1.0)
+    found.particles["half_length"][:] = 1.0
+    found.attributes["eta"] = 0.5
+    return found
+
+
+def test_force_of_two_sides_splits_between_the_ends_of_the_shadow():
+    assert points_of_sides.share_of_first_end(sides()) == pytest.approx([0.75])
+    pair, ends, four = (points_of_sides.contacts(sides(), points)[0] for points in (1, 2, 4))
+    assert pair == pytest.approx([1.0])  # over the mean force of the pairs
+    assert ends == pytest.approx([0.75, 0.25])
+    assert four == pytest.approx([0.375, 0.125, 0.375, 0.125])
+
+
+def test_branch_anisotropy_follows_the_cutoff():
+    """Two contacts along σ1, the weak one with the short branch: −1/2 between their forces."""
+    xi = points_of_sides.XI
+    found = points_of_sides.xi_networks_of(np.array([0.5, 1.5]), np.array([1.0, 3.0]),
+                                           np.zeros(2)).anisotropies(xi)[1]
+    assert found == pytest.approx(np.where((xi > 0.499) & (xi < 1.499), -0.5, 0))
