@@ -5,7 +5,7 @@
 // while Omega::loadPlugins runs.
 #include "dem/records/Published.hpp"
 #include "dem/validation/deferredError.hpp"
-#include "dem/validation/validation.hpp"
+#include "dem/validation/SceneView.hpp"
 
 namespace py = boost::python;
 
@@ -40,28 +40,18 @@ std::string versionError()
 	        + " is running. Start scripts/yade-rcr to rebuild it.";
 }
 
-/// Prepares the scene of a supported run: replaces Bo1 functors of spheres and restarts the
-/// collider after a change of PairExclusions.
-std::string prepareRun()
-{
-	yade::Scene&      scene  = *yade::Omega::instance().getScene();
-	const std::string error = yade::validation::sceneError(scene);
-	if (error.empty()) {
-		yade::validation::replaceSphereBounds(scene);
-		yade::validation::relistPairs(scene);
-	}
-	return error;
-}
+yade::Scene& scene() { return *yade::Omega::instance().getScene(); }
 
-bool usesRcr() { return yade::validation::usesRcrLaw(*yade::Omega::instance().getScene()); }
+std::string prepareRun() { return yade::validation::prepareRun(scene()); }
+
+bool usesRcr() { return yade::validation::View(scene()).law != yade::validation::neither; }
 
 py::list advice()
 {
-	const yade::Scene&  scene = *yade::Omega::instance().getScene();
 	py::list warnings;
 	for (const std::string& text :
-	        { yade::validation::massWarning(scene), yade::validation::overlapWarning(scene),
-	                yade::validation::dragWarning(scene) })
+	        { yade::validation::massWarning(scene()), yade::validation::overlapWarning(scene()),
+	                yade::validation::dragWarning(scene()) })
 		if (!text.empty()) warnings.append(text);
 	return warnings;
 }
@@ -71,16 +61,15 @@ py::list advice()
 /// that may lie out of the plane.
 int planarClump(const py::list& ids, double x, double y, double mass, double inertia)
 {
-	yade::Scene* scene = yade::Omega::instance().getScene().get();
-	auto         body  = boost::make_shared<yade::Body>();
-	auto         clump = boost::make_shared<yade::Clump>();
+	auto body   = boost::make_shared<yade::Body>();
+	auto clump  = boost::make_shared<yade::Clump>();
 	body->shape        = clump;
 	body->setBounded(false);
-	const yade::Body::id_t id = scene->bodies->insert(body);
+	const yade::Body::id_t id = scene().bodies->insert(body);
 	yade::State&           s  = *body->state;
 	for (int k = 0; k < py::len(ids); ++k) {
 		const yade::shared_ptr<yade::Body>& member
-		        = yade::Body::byId(py::extract<yade::Body::id_t>(ids[k])(), scene);
+		        = yade::Body::byId(py::extract<yade::Body::id_t>(ids[k])(), &scene());
 		if (k == 0) s.pos = yade::Vector3r(x, y, member->state->pos.z());
 		yade::Clump::add(body, member);
 		yade::Se3r& place = clump->members[member->getId()];

@@ -53,11 +53,10 @@ constexpr double checkedOverlap = 0.02; // least overlap that is checked, over R
 constexpr double deepFraction   = 0.5;  // least overlap that counts, over a cap radius
 
 /// Half the smallest width of a grain; infinite for an obstacle.
-static double halfWidth(const Shape& shape)
+static double halfWidth(const Body& b)
 {
-	if (const auto* rod = dynamic_cast<const Rcr*>(&shape)) return double(rod->capRadius);
-	if (const auto* disc = dynamic_cast<const Sphere*>(&shape)) return double(disc->radius);
-	return std::numeric_limits<double>::infinity();
+	const rcr::PlanarShape shape = plane::shapeOf(*b.shape, *b.state, b.state->pos.z());
+	return shape.grain() ? shape.halfWidth : std::numeric_limits<double>::infinity();
 }
 
 /// Replaces the FrictPhys of a new contact by one with a force per point. Returns false if the
@@ -161,8 +160,8 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(
 	const double overlap
 	        = -double(geom.points == 2 ? math::min(geom.gap[0], geom.gap[1]) : geom.gap[0]);
 	if (overlap <= checkedOverlap * double(geom.refR1 + geom.refR2)) return;
-	const auto   width = [&](Body::id_t id) { return halfWidth(*Body::byId(id, scene)->shape); };
-	const double least = std::min(width(contact.getId1()), width(contact.getId2()));
+	const double least = std::min(halfWidth(*Body::byId(contact.getId1(), scene)),
+	        halfWidth(*Body::byId(contact.getId2(), scene)));
 	if (overlap <= deepFraction * least) return;
 	int before;
 #pragma omp atomic capture

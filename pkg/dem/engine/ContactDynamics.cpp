@@ -59,8 +59,9 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 				return arrays
 				        && arraySteps_->advance(*scene, engines, team, handles_, impulses, step_);
 			});
-			model_.set(workspace_.summary(), work_, meanStretchRate, arraySteps_->count(),
-			        arrays ? arraySteps_->enginesReason() : "ContactDynamics.arrays = False");
+			set<&ContactDynamics::model_>(StepModel { workspace_.summary(), work_, meanStretchRate,
+			        arraySteps_->count(),
+			        arrays ? arraySteps_->enginesReason() : "ContactDynamics.arrays = False" });
 		} while (advanced);
 		// YADE's objects get the state at the beginning of the last step; scatter adds its forces
 		timed("writeBack", [&] { arraySteps_->writeBack(*scene, team, handles_, step_); });

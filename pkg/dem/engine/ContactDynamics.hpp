@@ -42,7 +42,7 @@ public:
 	static boost::python::list visibleNames(const boost::python::object& self);
 	boost::python::dict        takeObserved();
 	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
-	boost::python::dict        modelDict() const { return model_.dict(); }
+	boost::python::dict        modelDict() const;
 	boost::python::dict        secondsDict() const { return times_.dict(); }
 	/// Reads or writes an attribute that another thread may use.
 	template <auto Attribute> auto get() const -> std::decay_t<decltype(this->*Attribute)>
@@ -139,7 +139,7 @@ private:
 	StepModel                    model_;
 	StepObserver                 observer_;
 	StageTimes                   times_;
-	mutable std::mutex           attributesMutex_; // guards `solver`, `observe` and `monitor`
+	mutable std::mutex           attributesMutex_; // guards `solver`, `observe`, `monitor`, `model_`
 	std::atomic<std::thread::id> stepThread_; // it may read the problem during a run
 };
 REGISTER_SERIALIZABLE(ContactDynamics);

@@ -81,6 +81,8 @@ py::list ContactDynamics::visibleNames(const py::object& self)
 	return visible;
 }
 
+py::dict ContactDynamics::modelDict() const { return get<&ContactDynamics::model_>().dict(); }
+
 py::dict ContactDynamics::takeObserved()
 {
 	return observer_.takeMeans(get<&ContactDynamics::observe>());

@@ -5,7 +5,6 @@
 #include "kernel/step/step.hpp"
 #include "dem/transfer/PairExclusions.hpp"
 #include "dem/validation/validation.hpp"
-#include "dem/contacts/RcrGeom.hpp"
 
 namespace yade {
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 
 #include "dem/contacts/CdPhys.hpp"
-#include "dem/contacts/RcrGeom.hpp"
 
 namespace yade {
 

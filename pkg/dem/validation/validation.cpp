@@ -204,9 +204,9 @@ std::string missingSolver(const Scene& scene)
 	        "InteractionLoop and the NewtonIntegrator.");
 }
 
-bool usesRcrLaw(const Scene& scene) { return View(scene).law != neither; }
-
-void replaceSphereBounds(const Scene& scene)
+/// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get
+/// the same look-ahead as Rcrs.
+static void replaceSphereBounds(const Scene& scene)
 {
 	if (View(scene).law != rigid) return;
 	for (const auto& e : scene.engines) {
@@ -227,11 +227,15 @@ void replaceSphereBounds(const Scene& scene)
 	}
 }
 
-void relistPairs(Scene& scene)
+std::string prepareRun(Scene& scene)
 {
 	static PairExclusions last; // of the last run
-	const View       view(scene);
+	const View            view(scene);
+	const std::string     error = sceneError(scene);
+	if (!error.empty()) return error;
+	replaceSphereBounds(scene);
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
+	return {};
 }
 
 /// Rejects a change of the time step or of the cell's motion between ContactDynamics and

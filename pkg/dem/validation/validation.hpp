@@ -55,19 +55,12 @@ struct Engines {
 /// Message of the first rule that the scene breaks; empty if it is valid or has no class of rcr.
 std::string sceneError(const Scene&);
 
-/// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get
-/// the same look-ahead as Rcrs.
-void replaceSphereBounds(const Scene&);
-
-/// Restarts the collider if a script has changed PairExclusions between runs. ContactDynamics does
-/// the same in its steps.
-void relistPairs(Scene&);
+/// Returns sceneError. Before a run of a valid scene, replaces Bo1 functors of Spheres and restarts
+/// the collider if a script has changed PairExclusions. ContactDynamics does so in its steps.
+std::string prepareRun(Scene&);
 
 /// Message if rigid contacts have no active ContactDynamics; else empty.
 std::string missingSolver(const Scene&);
-
-/// Returns true if the scene holds a law, ContactDynamics or Ip2 of rcr.
-bool usesRcrLaw(const Scene&);
 
 /// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs;
 /// bodies that overlap by more than 1 % of R₁ + R₂ before their first step; a drag on Rcrs, which
