@@ -193,7 +193,8 @@ def set_engines(scene, grains):
             engine = w.HarmonicMotionEngine(ids=[body], A=(R * s, R * s, 0), f=(f, f, 0))
             engines.insert(3, engine)
     elif scene["motion"] in motions:
-        engines.insert(3, getattr(w, scene["motion"])(**motions[scene["motion"]]))
+        engines.insert(scene.get("motion_at", 3),
+                       getattr(w, scene["motion"])(**motions[scene["motion"]]))
     for k, event in enumerate(scene["events"]):
         command, period = f"import run_fuzzer; run_fuzzer.happen({k})", event["every"] or 10**9
         runner = w.PyRunner(command=command, firstIterRun=event["at"], iterPeriod=period)
@@ -211,12 +212,16 @@ def happen(k):
 
 
 def state():
-    """Step, time, motion of the bodies, and forces of the contacts; −0 is 0."""
+    """Step, time, motion of the bodies and forces on them, and the contacts; −0 is 0."""
     row = lambda *numbers: tuple(x + 0 for x in numbers)
-    bodies = [row(b.id, *b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel)
-              for b in O.bodies]
-    contacts = sorted(row(i.id1, i.id2, i.phys.points, *i.phys.force1, *i.phys.force2, *i.geom.gap)
-                      for i in O.interactions if hasattr(i.phys, "points"))
+    bodies = [row(b.id, *b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel,
+                  *O.forces.f(b.id), *O.forces.t(b.id)) for b in O.bodies]
+    contacts = sorted(
+        row(i.id1, i.id2, geom.points, geom.type, *geom.gap, *geom.along, *geom.position1,
+            *geom.normal1, *geom.normal, *geom.contactPoint, geom.refR1, geom.refR2, phys.points,
+            *phys.along, *phys.force1, *phys.force2, *phys.normalForce, *phys.shearForce,
+            phys.tangensOfFrictionAngle, phys.restitution, i.iterMadeReal)
+        for i in O.interactions for geom, phys in [(i.geom, i.phys)] if hasattr(phys, "points"))
     return dict(step=O.iter, time=O.time, dt=O.dt, bodies=bodies, contacts=contacts)
 
 

@@ -3,13 +3,13 @@ engines and scripts act on bodies.
 """
 
 import concurrent.futures
-import functools
 import math
 import time
 
 import numpy as np
 import pytest
 import rcr
+import run_fuzzer
 import scenes
 from scenes import (G, box, build, contact_forces, grain_on_floor, insert, material, plane, refused,
                     set_state, snapshot, solver, stadium, steps, wait_until)
@@ -122,93 +122,11 @@ def cell():
     O.cell.velGrad = plane(-0.03, 0.2, 0, -0.03)
 
 
-def pit(seed):
-    build(*grains(40, 6, seed), *box_of(0.9), dt=1e-3, **SOLVER)
-
-
-def over_box(center, half, seed):
-    build(*grains(48, 12, seed, shift=(0, 2 * center[1])), *box_of(1.6),
-          box(center, half, 0, material(0.5)), dt=1e-3, **SOLVER)
-
-
-def under_two_driven(seed):
-    driven = [rcr.particle((x, 0.75), 0.06, 0.5, material=material(0.5), fixed=True)
-              for x in (0.2, 0.5)]
-    build(*grains(25, 5, seed), *box_of(0.7), *driven, dt=2e-3, **SOLVER)
-
-
-def shake(*ids, A=(0, 0.02, 0), f=(0, 8, 0), fi=(0, 0, 0)):
-    return w.HarmonicMotionEngine(A=A, f=f, fi=fi, ids=list(ids))
-
-
-def shake_two(seed):
-    """Within a step, one driven grain becomes faster and another one slower."""
-    motions = np.random.default_rng(seed).uniform((0.02, 10, 0), (0.1, 150, 6), (2, 3))
-    insert(3, *(shake(28 + k, A=(a, a, 0), f=(f, f, 0), fi=(0, phase, 0))
-                for k, (a, f, phase) in enumerate(motions)))
-
-
-def drag(seed):
-    for k in range(0, 40, 5):
-        set_state(k, vel=(8, 4, 0))
-    insert(1, w.LinearDragEngine(ids=list(range(0, 40, 5)), nu=0.02))
-
-
-def kick():
-    for k in range(O.iter % 3, 40, 7):
-        set_state(k, vel=(6 * np.cos(k), 5, 0))
-
-
-def mask(seed):
-    for b in O.bodies:
-        b.mask = 3 if b.id >= 40 else 1 + b.id % 2
-    insert(9, run_each(150, "change_masks", firstIterRun=50))
-
-
-def change_masks():
-    for k in range(0, 40, 4):
-        O.bodies[k].mask = 1 if O.bodies[k].mask == 2 else 2
-
-
-def stir_with_box(seed):
-    insert(0, w.RotationEngine(ids=[51], rotateAroundZero=True, rotationAxis=(0, 0, 1),
-                               zeroPoint=(0.8, 0.45, 0), angularVelocity=6))
-
-
-LOW, HIGH = (functools.partial(over_box, *place) for place in (((0.8, 0.02), (0.4, 0.02)),
-                                                               ((0.8, 0.45), (0.2, 0.02))))
-SIDEWAYS = dict(A=(0.02, 0, 0), f=(10, 0, 0))
-SEEDED = dict(  # a scene, and engines or changes of bodies
-    shaken_wall=(pit, lambda seed: insert(0, shake(42))),
-    shaken_box=(LOW, lambda seed: insert(0, shake(51, **SIDEWAYS))),
-    shaken_box_after_the_loop=(LOW, lambda seed: insert(3, shake(51, **SIDEWAYS))),
-    torque_on_grains=(pit, lambda seed: insert(1, w.TorqueEngine(ids=[3, 11, 20],
-                                                                 moment=(0, 0, 40)))),
-    stirrer=(HIGH, stir_with_box), drag_on_fast_grains=(pit, drag),
-    kicked_before_the_collider=(pit, lambda seed: insert(0, run_each(70, "kick"))),
-    masks_that_change=(pit, mask), two_shaken_grains=(under_two_driven, shake_two),
-)  # fmt: skip
 SCENES = [pressed, without_inertia, in_a_flow_that_follows, pile, drum, mixed, shot, watched]
 
 
-def contacts():
-    rows = {}
-    for i in O.interactions:
-        geom, phys = i.geom, i.phys
-        rows[i.id1, i.id2] = (
-            geom.points, geom.type, *geom.gap, *geom.along, *geom.position1, *geom.normal1,
-            *geom.normal, *geom.contactPoint, geom.refR1, geom.refR2, phys.points, *phys.along,
-            *phys.force1, *phys.force2, *phys.normalForce, *phys.shearForce,
-            phys.tangensOfFrictionAngle, phys.restitution, i.iterMadeReal)
-    return rows
-
-
-def moment():
-    return O.iter, O.time, snapshot(), contacts()
-
-
 def after(scene, arrays, count=STEPS, reload="", **attributes):
-    """The moment after `count` steps, reloaded half-way if `reload`, a step later, the model."""
+    """The state after `count` steps, reloaded half-way if `reload`, a step later, the model."""
     scene()
     for name, value in dict(attributes, arrays=arrays).items():
         setattr(solver(), name, value)
@@ -217,36 +135,50 @@ def after(scene, arrays, count=STEPS, reload="", **attributes):
         O.save(str(reload))
         O.load(str(reload))
         O.run(count - count // 2, True)
-    result, model = moment(), dict(solver().model)
+    result, model = run_fuzzer.state(), dict(solver().model)
     O.step()
-    return (*result, *moment()), model
+    return (result, run_fuzzer.state()), model
 
 
-def same(one, two):
-    return all(np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b
-               for a, b in zip(one, two))
-
-
-@pytest.mark.parametrize("scene, least, fewest", [
-    *((scene, 0.8, 30) for scene in SCENES),
-    *(pytest.param(lambda parts=parts, seed=seed: [part(seed) for part in parts], 0.3, 0,
-                   id=f"{name}-{seed}") for name, parts in SEEDED.items() for seed in range(3)),
-])  # fmt: skip
-def test_same_bits_as_the_engines(scene, least, fewest):
-    """At least this share of the steps in arrays, and more than the fewest contacts."""
+@pytest.mark.parametrize("scene", SCENES)
+def test_same_bits_as_the_engines(scene):
+    """Most steps in arrays."""
     expected, by_engines = after(scene, False)
     found, in_arrays = after(scene, True)
     assert by_engines["array_steps"] == 0
     assert by_engines["engines"] == "ContactDynamics.arrays = False"
-    assert in_arrays["array_steps"] > least * STEPS and len(expected[3]) > fewest
-    assert same(found, expected)
+    assert in_arrays["array_steps"] > 0.8 * STEPS and len(expected[0]["contacts"]) > 30
+    assert found == expected
+
+
+FALL = dict(count=40, kinds=["Rcr", "Sphere"], gravity=9.81, dt=1e-3, solver="auto", speed=0.5,
+            overdamped=False, turning=False, motion="none", blocked=0, violent=0, events=[],
+            runs=[STEPS, 1])
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("changes", [
+    dict(floor="Wall", motion="HarmonicMotionEngine", motion_at=0),
+    dict(floor="Box", motion="HarmonicMotionEngine", motion_at=0),
+    dict(floor="Box", motion="HarmonicMotionEngine"), dict(motion="TorqueEngine", motion_at=1),
+    dict(motion="RotationEngine", turning=True, motion_at=0),
+    dict(motion="LinearDragEngine", speed=20.0, motion_at=1), dict(motion="shakers"),
+    dict(events=[dict(event="kick", at=10, every=7, place="first")]),
+    dict(events=[dict(event="mask", at=50, every=7, place="last")]),
+], ids=["shaken wall", "shaken box", "shaken box after the loop", "torque on grains", "stirrer",
+        "drag on fast grains", "two shaken grains", "kicked before the collider",
+        "masks that change"])  # fmt: skip
+def test_same_bits_under_engines_and_scripts(changes, seed):
+    found, in_arrays = run_fuzzer.difference({**run_fuzzer.draw(seed), **FALL, **changes})
+    assert found == "same" and in_arrays > 0.3 * STEPS
 
 
 @pytest.mark.parametrize("threads, lanes", [(2, 4), (4, 1)])
 def test_same_bits_for_threads_and_lanes(threads, lanes):
     expected, _ = after(pressed, True, threads=1, lanes=8)
     found, _ = after(pressed, True, threads=threads, lanes=lanes)
-    assert same(found, expected)
+    assert found == expected
 
 
 @pytest.mark.slow
@@ -255,20 +187,20 @@ def test_same_bits_in_the_long_run(scene, tmp_path):
     """1000 steps by engines against arrays with all numbers of threads and lanes, and a reload."""
     count = 1000
     expected, _ = after(scene, False, count, threads=1, lanes=8)
-    assert len(expected[3]) > 30
+    assert len(expected[0]["contacts"]) > 30
     for threads in (1, 2, 4):
         for lanes in (1, 4, 8):  # 8 take 16 floats at a time
             found, model = after(scene, True, count, threads=threads, lanes=lanes)
             assert (model["array_steps"] > 0.8 * count) == (scene is not cell)
-            assert same(found, expected), (threads, lanes)
+            assert found == expected, (threads, lanes)
     found, _ = after(scene, True, count, tmp_path / "half.xml.gz", threads=2)
-    assert same(found, expected)
+    assert found == expected
 
 
 @pytest.mark.parametrize("scene", [mixed, in_a_flow_that_follows])
 def test_same_bits_after_reload(scene, tmp_path):
     expected, _ = after(scene, True)
-    assert same(after(scene, True, reload=tmp_path / "half.xml.gz")[0], expected)
+    assert after(scene, True, reload=tmp_path / "half.xml.gz")[0] == expected
 
 
 def test_a_run_ends_at_its_step_or_time_or_by_a_pause():
