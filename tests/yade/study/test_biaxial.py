@@ -421,9 +421,10 @@ def files(folder):
     ("--resume --strain 0.005", "beyond --strain 0.005; give no less than it has"),
     ("--resume --networks 4", "has reached its strain with --networks 2"),
 ])  # fmt: skip
-def test_script_refuses_the_folder_of_another_run(done, arguments, message):
+def test_script_refuses_the_folder_of_another_run(done, arguments, message, capfd):
     before = files(done)
-    assert message in complaint(forked.run(SCRIPT, *SMALL, *arguments.split(), "--out", done))
+    run = forked.run(capfd, SCRIPT, *SMALL, *arguments.split(), "--out", done)
+    assert message in complaint(run)
     assert files(done) == before
 
 
