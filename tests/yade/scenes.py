@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import yade.utils  # before rcr, which loads its plugin into it
 import rcr
-from benchmarks.hard_scenes.stage import G, box, material, open_box, solver, stadium, tilted
+from benchmarks.hard_scenes.stage import (G, box, kinetic, material, open_box, solver, stadium,
+                                          tilted, twist as velocity)  # noqa: F401
 from common import refused, wait_until  # noqa: F401: for the tests
 from yade import O
 from yade import wrapper as w
@@ -101,6 +102,17 @@ def without(kind):
     O.engines = [e for e in O.engines if not isinstance(e, kind)]
 
 
+def exchange(new):
+    """Put this engine in the place of the engine of its class."""
+    O.engines = [new if isinstance(e, type(new)) else e for e in O.engines]
+
+
+def calls(function, period, **options):
+    """A PyRunner that calls a function of a module every `period` steps."""
+    module, name = function.__module__, function.__name__
+    return w.PyRunner(command=f"import {module}; {module}.{name}()", iterPeriod=period, **options)
+
+
 def insert(place, *new):
     """Insert engines at this place of O.engines; at 3 they follow the InteractionLoop."""
     O.engines = [*O.engines[:place], *new, *O.engines[place:]]
@@ -132,12 +144,6 @@ def steps(n):
 def iterations(n):
     """Iterations of each of the next n steps."""
     return [(O.step(), solver().iterations)[1] for _ in range(n)]
-
-
-def velocity(body_id):
-    """(v_x, v_y, ω)."""
-    state = O.bodies[body_id].state
-    return np.array([state.vel[0], state.vel[1], state.angVel[2]])
 
 
 def point_forces(id1, id2):

@@ -11,8 +11,8 @@ import pytest
 import rcr
 import run_fuzzer
 import scenes
-from scenes import (G, box, build, contact_forces, grain_on_floor, insert, material, plane, refused,
-                    set_state, snapshot, solver, stadium, steps, wait_until)
+from scenes import (G, box, build, calls, contact_forces, exchange, grain_on_floor, insert, material,
+                    plane, refused, set_state, snapshot, solver, stadium, steps, wait_until)
 from yade import O, utils
 from yade import wrapper as w
 from yade.minieigenHP import Vector3
@@ -41,12 +41,6 @@ def box_of(width):
     return scenes.walls(material(0.5), x=(0, width), y=[0])
 
 
-def run_each(period, function, **options):
-    """A PyRunner that calls a function of this module every `period` steps."""
-    return w.PyRunner(command=f"import {__name__}; {__name__}.{function}()", iterPeriod=period,
-                      **options)
-
-
 def pressed():
     """A box of grains under a lid with a constant load, and a driven wall."""
     build(*grains(60, 8, 1), *box_of(1.1), rcr.mobile_wall("y", 1.2, 5, -1, material(0)), dt=2e-3,
@@ -72,7 +66,7 @@ def in_a_flow_that_follows():
 def pile():
     """Falling grains, some inserted and erased."""
     build(*grains(30, 6, 2), *box_of(3), dt=2e-3, **SOLVER)
-    insert(9, run_each(50, "replace"))
+    insert(9, calls(replace, 50))
 
 
 def replace():
@@ -107,7 +101,7 @@ def shot():
 
 def watched():
     build(*grains(40, 6, 5), *box_of(0.9), dt=2e-3, **SOLVER)
-    insert(9, run_each(37, "stir"))
+    insert(9, calls(stir, 37))
 
 
 def stir():
@@ -373,7 +367,7 @@ def test_engines_set_during_a_run_act(arrays, place):
     build(*(rcr.disc((x, 0), 0.05, material(0.5)) for x in (0, 1)), dt=1e-3, gravity=(0, 0, 0),
           **SOLVER)
     solver().arrays = arrays
-    insert(place, run_each(1000, "add_force", firstIterRun=100, nDo=1))
+    insert(place, calls(add_force, 1000, firstIterRun=100, nDo=1))
     O.run(300, True)
     moved = O.bodies[1].state.pos[0] - 1
     acceleration = 20 / O.bodies[1].state.mass
@@ -426,7 +420,7 @@ def test_an_engine_begins_anew_in_another_scene():
     steps(200)
     O.reset()
     grain_on_floor(0)
-    O.engines = [watched if isinstance(e, rcr.ContactDynamics) else e for e in O.engines]
+    exchange(watched)
     O.trackEnergy = True
     steps(20)
     seen = watched.observed()

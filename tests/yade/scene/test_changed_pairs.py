@@ -5,16 +5,15 @@ import pytest
 import yade.utils
 import rcr
 from yade import O
-from yade import wrapper as w
-from scenes import build, engines, insert, material, set_state, snapshot, solver, springy, steps
+from scenes import (build, calls, engines, exchange, insert, material, set_state, snapshot, solver,
+                    springy, steps)
 
 LOWER, UPPER = 1, 2  # discs of the radius 0.1 m; the upper one falls onto the lower one
 
 
 def once(function, step):
     """A PyRunner that calls a function of this module at this step."""
-    return w.PyRunner(command=f"import {__name__}; {__name__}.{function}()", iterPeriod=step,
-                      firstIterRun=step, nDo=1)
+    return calls(function, step, firstIterRun=step, nDo=1)
 
 
 def stack(mask=2):
@@ -57,8 +56,7 @@ def mask_before_a_new_solver():
     stack()
     yield 2
     O.bodies[UPPER].mask = 1
-    O.engines = [rcr.ContactDynamics(tolerance=1e-4, arrays=e.arrays)
-                 if isinstance(e, rcr.ContactDynamics) else e for e in O.engines]
+    exchange(rcr.ContactDynamics(tolerance=1e-4, arrays=solver().arrays))
 
 
 def mask_of_the_collider():
@@ -89,9 +87,8 @@ def erase():
     O.bodies.erase(3)
 
 
-def exchange():
-    new = engines()[1]
-    O.engines = [new if isinstance(e, w.InsertionSortCollider) else e for e in O.engines]
+def new_collider():
+    exchange(engines()[1])
 
 
 def collider_after_an_erasure():
@@ -101,7 +98,7 @@ def collider_after_an_erasure():
     O.engines[1].verletDist = 0.01
     O.bodies.append(rcr.disc((1, 0.1), 0.1, material(0.5)))
     set_state(UPPER, pos=(0, 0.6, 0))
-    insert(5, once("erase", 20), once("exchange", 60))
+    insert(5, once(erase, 20), once(new_collider, 60))
     yield 0
 
 
@@ -152,7 +149,7 @@ def release():
 def released_box():
     loose_box()
     set_state(9, blockedDOFs="xyzXYZ")
-    insert(5, once("release", 50))
+    insert(5, once(release, 50))
 
 
 def discs_below_rods(act, mask=1, **options):
@@ -178,8 +175,8 @@ def unite():
 @pytest.mark.parametrize("arrays", [True, False])
 @pytest.mark.parametrize("scene, shapes, last, lowest", [
     (loose_box, "Wall and Box", 221, 0.05), (released_box, "Wall and Box", 272, 0.05),
-    (lambda: discs_below_rods("unite", mask=2), "Sphere and Rcr", 51, 0.5),
-    (lambda: discs_below_rods("release", fixed=True), "Sphere and Rcr", 400, 0.2),
+    (lambda: discs_below_rods(unite, mask=2), "Sphere and Rcr", 51, 0.5),
+    (lambda: discs_below_rods(release, fixed=True), "Sphere and Rcr", 400, 0.2),
 ], ids=["loose Box", "released Box", "mask", "released rod"])
 def test_pairs_without_ig2_are_refused_before_they_overlap(scene, shapes, last, lowest, arrays):
     """At the latest in this step, and above this height [m]."""

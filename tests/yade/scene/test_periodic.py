@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import (LAWS, assert_refused, assert_reload_changes_nothing, build, gaps, insert,
-                    material, plane, refused, shrinking_cell, snapshot, solver, springy, steps)
+from scenes import (LAWS, assert_refused, assert_reload_changes_nothing, build, exchange, gaps,
+                    insert, kinetic, material, plane, refused, shrinking_cell, snapshot, solver,
+                    springy, steps, without)
 from yade import O, utils
 from yade.minieigenHP import Matrix3
 from yade.wrapper import InsertionSortCollider, PeriTriaxController
@@ -94,8 +95,7 @@ def test_a_body_is_erased_from_a_cell_only_with_a_new_collider():
     O.cell.velGrad = Matrix3.Zero
     refused("body #9 .* put a new InsertionSortCollider into O.engines first", O.bodies.erase, 9)
     assert O.bodies[9] is not None
-    O.engines = [InsertionSortCollider([rcr.Bo1_Rcr_Aabb()], verletDist=0.01)
-                 if isinstance(e, InsertionSortCollider) else e for e in O.engines]
+    exchange(InsertionSortCollider([rcr.Bo1_Rcr_Aabb()], verletDist=0.01))
     O.bodies.erase(9)
     for body in O.bodies:
         body.state.vel = (10, 3, 0)
@@ -250,7 +250,7 @@ def test_a_cell_shears_its_grains_after_a_compression(overdamped):
         pressed(stress=(1, 1))
     steps(1)
     solver().overdamped = False
-    O.engines = [e for e in O.engines if not isinstance(e, rcr.CellStress)]
+    without(rcr.CellStress)
     O.cell.velGrad = plane(0, 0.5, 0, 0)
     steps(2)
     assert O.bodies[1].state.vel[0] - O.bodies[0].state.vel[0] == pytest.approx(0.5, rel=1e-3)
@@ -347,8 +347,6 @@ def test_energy_of_a_cell_that_is_driven_closes():
         steps(1)
         accounts = dict(O.energy.items())
         # YADE counts velocities relative to those of the cell
-        moving = sum(0.5 * b.state.mass * b.state.vel.norm() ** 2 + 0.5 * b.state.inertia[2]
-                     * b.state.angVel[2] ** 2 for b in O.bodies)
-        totals.append(moving + sum(accounts.values()) - accounts.get("kinetic", 0))
+        totals.append(kinetic() + sum(accounts.values()) - accounts.get("kinetic", 0))
     assert accounts["driveWork"] < 0 < accounts["plastDissip"]
     assert abs(np.median(totals)) < 0.002 * abs(accounts["driveWork"]), (totals, accounts)
