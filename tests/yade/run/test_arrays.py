@@ -15,7 +15,6 @@ from scenes import (G, box, build, calls, contact_forces, exchange, grain_on_flo
                     plane, refused, set_state, snapshot, solver, stadium, steps, wait_until)
 from yade import O, utils
 from yade import wrapper as w
-from yade.minieigenHP import Vector3
 
 STEPS = 600
 MOST_STEPS = 100  # steps in arrays before a step of engines updates YADE's objects
@@ -99,24 +98,13 @@ def shot():
     build(*grains(160, 20, 7), *box_of(2.5), *discs, dt=1e-3, **SOLVER)
 
 
-def watched():
-    build(*grains(40, 6, 5), *box_of(0.9), dt=2e-3, **SOLVER)
-    insert(9, calls(stir, 37))
-
-
-def stir():
-    for b in O.bodies:
-        if b.id % 7 == O.iter % 7 and not b.state.blockedDOFs == "xyzXYZ":
-            b.state.vel += Vector3(0.1 * math.sin(O.iter) * b.state.pos[0], 0.3, 0)
-
-
 def cell():
     """A periodic cell under compression and shear; engines take its steps."""
     build(*grains(60, 8, 6), cell=1.0, dt=2e-3, **SOLVER)
     O.cell.velGrad = plane(-0.03, 0.2, 0, -0.03)
 
 
-SCENES = [pressed, without_inertia, in_a_flow_that_follows, pile, drum, mixed, shot, watched]
+SCENES = [pressed, without_inertia, in_a_flow_that_follows, pile, drum, mixed, shot]
 
 
 def after(scene, arrays, count=STEPS, reload="", **attributes):
@@ -160,9 +148,10 @@ FALL = dict(count=40, kinds=["Rcr", "Sphere"], gravity=9.81, dt=1e-3, solver="au
     dict(motion="LinearDragEngine", speed=20.0, motion_at=1), dict(motion="shakers"),
     dict(events=[dict(event="kick", at=10, every=7, place="first")]),
     dict(events=[dict(event="mask", at=50, every=7, place="last")]),
+    dict(events=[dict(event=event, at=37, every=37, place="last") for event in ("look", "kick")]),
 ], ids=["shaken wall", "shaken box", "shaken box after the loop", "torque on grains", "stirrer",
         "drag on fast grains", "two shaken grains", "kicked before the collider",
-        "masks that change"])  # fmt: skip
+        "masks that change", "watched and kicked"])  # fmt: skip
 def test_same_bits_under_engines_and_scripts(changes, seed):
     found, in_arrays = run_fuzzer.difference({**run_fuzzer.draw(seed), **FALL, **changes})
     assert found == "same" and in_arrays > 0.3 * STEPS
