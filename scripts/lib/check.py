@@ -136,7 +136,7 @@ def sanitize_plugin(name, arguments):
     The sanitizer delays the release of memory, so its growth is not bounded.
     """
     return sanitize(name, [
-        [*PYTEST, "-p", "no:warnings", "tests/yade/law/test_curved_paths.py", "-k", "gains_a_point"],
+        [*PYTEST, "-p", "no:warnings", "tests/yade/law/test_curved_paths.py", "-k", "gains_a"],
         [sys.executable, FUZZER, "--scenes", "300"],
         [sys.executable, SOAK, "--growth", "inf", *(arguments or ["--minutes", "5"])],
     ], plugin=True)

@@ -11,8 +11,9 @@ import pytest
 import rcr
 import run_fuzzer
 import scenes
-from scenes import (G, box, build, calls, contact_forces, exchange, grain_on_floor, insert, material,
-                    plane, refused, set_state, snapshot, solver, stadium, steps, wait_until)
+from scenes import (G, box, build, calls, contact_forces, exchange, grain_on_floor, insert,
+                    material, plane, refused, set_state, snapshot, solver, stadium, steps,
+                    wait_until)
 from yade import O, utils
 from yade import wrapper as w
 
