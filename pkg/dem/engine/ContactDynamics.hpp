@@ -18,8 +18,7 @@
 
 #include "dem/records/EnergyAccount.hpp"
 #include "dem/records/Published.hpp"
-#include "dem/records/StageTimes.hpp"
-#include "dem/records/StepModel.hpp"
+#include "dem/records/StepCost.hpp"
 #include "dem/records/StepMonitor.hpp"
 #include "dem/records/StepObserver.hpp"
 #include "kernel/problem/solver.hpp"
@@ -40,9 +39,9 @@ public:
 	boost::python::object      tuning() const;
 	void                       setTuning(const boost::python::object&);
 	static boost::python::list visibleNames(const boost::python::object& self);
-	boost::python::dict        takeObserved();
+	boost::python::dict takeObserved() { return observer_.takeMeans(get<&ContactDynamics::observe>()); }
 	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
-	boost::python::dict        modelDict() const;
+	boost::python::dict        modelDict() const { return get<&ContactDynamics::model_>().dict(); }
 	boost::python::dict        secondsDict() const { return times_.dict(); }
 	/// Reads or writes an attribute that another thread may use.
 	template <auto Attribute> auto get() const -> std::decay_t<decltype(this->*Attribute)>

@@ -81,13 +81,6 @@ py::list ContactDynamics::visibleNames(const py::object& self)
 	return visible;
 }
 
-py::dict ContactDynamics::modelDict() const { return get<&ContactDynamics::model_>().dict(); }
-
-py::dict ContactDynamics::takeObserved()
-{
-	return observer_.takeMeans(get<&ContactDynamics::observe>());
-}
-
 std::string ContactDynamics::changeSinceStep() const
 {
 	if (!validator_.isNextStep(*scene) || step_.bodies.size() != scene->bodies->size()) return {};

@@ -2,7 +2,6 @@
 
 #include "dem/engine/CellStress.hpp"
 #include "dem/shapes/plane.hpp"
-#include "dem/transfer/colliderBox.hpp"
 #include "dem/transfer/prefetch.hpp"
 #include "kernel/problem/list_by_key.hpp"
 
@@ -250,6 +249,26 @@ namespace {
 	};
 
 } // namespace
+
+bool grainLeavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr::Twist& v,
+        double dt, const Bound& bound)
+{
+	const double   extent = b.radius + rcr::alertDistance(b.shape, v, dt);
+	const Vector3r moved  = at - bound.refPos;
+	const double   half   = 0.5 * double(bound.max[0] - bound.min[0]);
+	return std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + extent > half;
+}
+
+bool obstacleLeavesBox(
+        const rcr::PlanarShape& shape, const rcr::Pose& at, double margin, const Bound& bound)
+{
+	const rcr::BoundingBox box = rcr::boundsOf(shape, at);
+	const auto             out = [&](int axis, double center, double extent) {
+        return center + extent + margin > double(bound.max[axis])
+                || center - extent - margin < double(bound.min[axis]);
+	};
+	return out(0, box.center.x, box.half.x) || out(1, box.center.y, box.half.y);
+}
 
 void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
         SceneHandles& handles, rcr::Step& step)

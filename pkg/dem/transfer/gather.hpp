@@ -39,4 +39,12 @@ void gather(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
 void regatherBodies(Scene&, const validation::Engines&, rcr::ThreadTeam&,
         const std::vector<Body::id_t>&, SceneHandles&, rcr::Step&);
 
+/// Returns true if a grain at this position, enlarged by the alert distance of this velocity,
+/// leaves its box in the collider. The collider may then not list all its contacts.
+bool grainLeavesBox(
+        const rcr::StepBody&, const Vector3r& at, const rcr::Twist&, double dt, const Bound&);
+
+/// Returns true if an obstacle at this pose, enlarged by `margin` [m], leaves its box.
+bool obstacleLeavesBox(const rcr::PlanarShape&, const rcr::Pose&, double margin, const Bound&);
+
 } // namespace yade

@@ -1,6 +1,5 @@
 #include "dem/transfer/scatter.hpp"
 
-#include "dem/transfer/colliderBox.hpp"
 #include "dem/shapes/plane.hpp"
 #include "dem/transfer/prefetch.hpp"
 

@@ -1,4 +1,4 @@
-// Wall time of the stages of ContactDynamics, summed over its steps [s].
+// Size of the last problem, how it was solved, and the wall time of all stages.
 #pragma once
 
 #include <chrono>
@@ -7,9 +7,32 @@
 #include <string>
 
 #include "dem/yadeHeaders.hpp"
+#include "kernel/problem/reductions.hpp"
 
 namespace yade {
 
+/// ContactDynamics.model.
+struct StepModel {
+	rcr::ModelSummary summary;
+	double            work            = 0;                // sweeps × points of the step
+	Vector2r          meanStretchRate = Vector2r::Zero(); // along x and y [1/s]
+	long              arraySteps      = 0;
+	std::string       enginesReason; // YADE's engines take the next step; empty: they do not
+
+	boost::python::dict dict() const
+	{
+		boost::python::dict model;
+		summary.forEachEntry([&](const char* name, auto value) { model[name] = value; });
+		const double x = double(meanStretchRate[0]), y = double(meanStretchRate[1]);
+		model["work"]              = work;
+		model["mean_stretch_rate"] = boost::python::make_tuple(x, y);
+		model["array_steps"]       = arraySteps;
+		model["engines"]           = enginesReason;
+		return model;
+	}
+};
+
+/// Wall time of the stages of ContactDynamics, summed over its steps [s].
 class StageTimes {
 public:
 	/// Runs `work` and adds its duration to the stage.
