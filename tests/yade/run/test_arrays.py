@@ -139,20 +139,26 @@ FALL = dict(count=40, kinds=["Rcr", "Sphere"], gravity=9.81, dt=1e-3, solver="au
             runs=[STEPS, 1])
 
 
+CHANGES = {
+    "shaken wall": dict(floor="Wall", motion="HarmonicMotionEngine", motion_at=0),
+    "shaken box": dict(floor="Box", motion="HarmonicMotionEngine", motion_at=0),
+    "shaken box after the loop": dict(floor="Box", motion="HarmonicMotionEngine"),
+    "torque on grains": dict(motion="TorqueEngine", motion_at=1),
+    "stirrer": dict(motion="RotationEngine", turning=True, motion_at=0),
+    "drag on fast grains": dict(motion="LinearDragEngine", speed=20.0, motion_at=1),
+    "two shaken grains": dict(motion="shakers"),
+    "kicked before the collider": dict(events=[dict(event="kick", at=10, every=7, place="first")]),
+    "masks that change": dict(events=[dict(event="mask", at=50, every=7, place="last")]),
+    "watched and kicked": dict(events=[dict(event=event, at=37, every=37, place="last")
+                                       for event in ("look", "kick")]),
+    **{f"pushed every {n} steps": dict(events=[dict(event="push", at=1, every=n,
+                                                    place="before solver")]) for n in (7, 50)},
+}  # fmt: skip
+
+
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("changes", [
-    dict(floor="Wall", motion="HarmonicMotionEngine", motion_at=0),
-    dict(floor="Box", motion="HarmonicMotionEngine", motion_at=0),
-    dict(floor="Box", motion="HarmonicMotionEngine"), dict(motion="TorqueEngine", motion_at=1),
-    dict(motion="RotationEngine", turning=True, motion_at=0),
-    dict(motion="LinearDragEngine", speed=20.0, motion_at=1), dict(motion="shakers"),
-    dict(events=[dict(event="kick", at=10, every=7, place="first")]),
-    dict(events=[dict(event="mask", at=50, every=7, place="last")]),
-    dict(events=[dict(event=event, at=37, every=37, place="last") for event in ("look", "kick")]),
-], ids=["shaken wall", "shaken box", "shaken box after the loop", "torque on grains", "stirrer",
-        "drag on fast grains", "two shaken grains", "kicked before the collider",
-        "masks that change", "watched and kicked"])  # fmt: skip
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
 def test_same_bits_under_engines_and_scripts(changes, seed):
     found, in_arrays = run_fuzzer.difference({**run_fuzzer.draw(seed), **FALL, **changes})
     assert found == "same" and in_arrays > 0.3 * STEPS
@@ -249,19 +255,6 @@ def test_an_error_leaves_the_scene_as_the_step_began():
     insert(-1, w.PyRunner(command="raise RuntimeError('enough')", iterPeriod=80))
     refused("enough", O.run, 200, True, error=RuntimeError)
     assert O.iter == 130 and np.isfinite(snapshot()).all() and contact_forces()
-
-
-@pytest.mark.parametrize("period", [1, 2, 7, 50])
-def test_forces_that_a_script_adds_now_and_then_act(period):
-    speeds = []
-    for arrays in (True, False):
-        build(*[stadium(0.2, 0.1, (k, 5), material=material(0)) for k in range(2)],
-              before=[w.PyRunner(command="O.forces.addF(0, (2, 0, 0)); O.forces.addT(1, (0, 0, 1))",
-                                 iterPeriod=period)])
-        solver().arrays = arrays
-        O.run(150, True)
-        speeds.append((O.bodies[0].state.vel[0], O.bodies[1].state.angVel[2]))
-    assert speeds[0] == speeds[1] and min(speeds[0]) > 0
 
 
 def observed(ids, every):

@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 import pytest
+from common import ended
 from forked import program as yade
 from matplotlib.image import imread
 from scenes import environment
@@ -102,8 +103,7 @@ def test_page(page, tmp_path):
 
 def compile_command(source, folder):
     """The build's compile command of a plugin file, for another source."""
-    listed = subprocess.run(["ninja", "-C", BUILD, "-t", "commands", "_plugin"],
-                            capture_output=True, text=True, check=True).stdout
+    listed = ended("ninja", "-C", BUILD, "-t", "commands", "_plugin").stdout
     words = shlex.split(next(line for line in listed.splitlines()
                              if "/_plugin.dir/Unity/" in line and " -c " in line))
     words = words[: words.index("-c")] + ["-c", str(source)]

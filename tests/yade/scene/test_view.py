@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import rcr
 from docs.generate.screen import virtual_screen
+from common import ended
 from scenes import environment
 
 pytestmark = [
@@ -22,12 +23,9 @@ def pictures(tmp_path_factory):
     folder = tmp_path_factory.mktemp("view")
     script = pathlib.Path(__file__).with_name("view_session.py")
     with virtual_screen(folder) as screen:
-        path = environment()["PYTHONPATH"]
-        session = subprocess.run(["yade", str(script), str(folder)], capture_output=True, text=True,
-                                 timeout=300, env=screen | dict(PYTHONPATH=path),
-                                 stdin=subprocess.DEVNULL)
-    told = session.stdout + session.stderr
-    assert session.returncode == 0 and "lived 22" in session.stdout, told
+        variables = screen | dict(PYTHONPATH=environment()["PYTHONPATH"])
+        session = ended("yade", script, folder, env=variables, stdin=subprocess.DEVNULL)
+    assert "lived 22" in session.stdout, session.stdout + session.stderr
     pictures = {path.stem: np.array(matplotlib.imread(path)[..., :3])
                 for path in folder.glob("*.png")}
     for picture in pictures.values():
