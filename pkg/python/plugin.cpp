@@ -42,10 +42,6 @@ std::string versionError()
 
 yade::Scene& scene() { return *yade::Omega::instance().getScene(); }
 
-std::string prepareRun() { return yade::validation::prepareRun(scene()); }
-
-bool usesRcr() { return yade::validation::View(scene()).law != yade::validation::neither; }
-
 py::list advice()
 {
 	py::list warnings;
@@ -83,13 +79,6 @@ int planarClump(const py::list& ids, double x, double y, double mass, double ine
 	return id;
 }
 
-void awaitEnd()
-{
-	Py_BEGIN_ALLOW_THREADS;
-	yade::awaitEnd();
-	Py_END_ALLOW_THREADS;
-}
-
 } // namespace
 
 BOOST_PYTHON_MODULE(_plugin)
@@ -104,14 +93,17 @@ BOOST_PYTHON_MODULE(_plugin)
 	yade::Published<double>::registerConverters();
 	registerClasses();
 	py::def(
-	        "prepare_run", prepareRun,
+	        "prepare_run", +[] { return yade::validation::prepareRun(scene()); },
 	        "Prepare a run. Returns the error of an unsupported scene, with a remedy; else ''.");
 	py::def(
 	        "take_error", yade::takeError,
 	        "Message of the error that stopped ContactDynamics, returned once; empty without "
 	        "error.");
-	py::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
-	py::def("uses_rcr", usesRcr, "True if the scene holds a law, ContactDynamics or Ip2 of rcr.");
+	py::def("await_end", yade::awaitEnd, "Wait until a paused run has stopped.");
+	py::def(
+	        "uses_rcr",
+	        +[] { return yade::validation::View(scene()).law != yade::validation::neither; },
+	        "True if the scene holds a law, ContactDynamics or Ip2 of rcr.");
 	py::def("advice", advice, "Warnings for suspicious scenes, a list of texts.");
 	py::def(
 	        "planar_clump", planarClump,
