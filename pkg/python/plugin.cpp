@@ -59,7 +59,7 @@ int planarClump(const py::list& ids, double x, double y, double mass, double ine
 {
 	auto body   = boost::make_shared<yade::Body>();
 	auto clump  = boost::make_shared<yade::Clump>();
-	body->shape        = clump;
+	body->shape = clump;
 	body->setBounded(false);
 	const yade::Body::id_t id = scene().bodies->insert(body);
 	yade::State&           s  = *body->state;
