@@ -9,4 +9,5 @@ PYBIND11_MODULE(_kernel, m)
 	rcr::bindGeometry(m);
 	rcr::bindSolvers(m);
 	rcr::bindInternals(m);
+	rcr::bindThreads(m);
 }

@@ -63,5 +63,6 @@ void bindGeometry(py::module_&);
 void bindSolvers(py::module_&);
 void bindInternals(py::module_&);
 void bindDetectors(py::module_&);
+void bindThreads(py::module_&);
 
 } // namespace rcr

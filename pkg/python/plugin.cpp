@@ -79,6 +79,13 @@ int planarClump(const py::list& ids, double x, double y, double mass, double ine
 	return id;
 }
 
+void awaitEnd()
+{
+	Py_BEGIN_ALLOW_THREADS;
+	yade::awaitEnd();
+	Py_END_ALLOW_THREADS;
+}
+
 } // namespace
 
 BOOST_PYTHON_MODULE(_plugin)
@@ -99,7 +106,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	        "take_error", yade::takeError,
 	        "Message of the error that stopped ContactDynamics, returned once; empty without "
 	        "error.");
-	py::def("await_end", yade::awaitEnd, "Wait until a paused run has stopped.");
+	py::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
 	py::def(
 	        "uses_rcr",
 	        +[] { return yade::validation::View(scene()).law != yade::validation::neither; },

@@ -5,6 +5,7 @@
 #include "kernel/step/step.hpp"
 #include "dem/transfer/PairExclusions.hpp"
 #include "dem/validation/validation.hpp"
+#include "dem/contacts/RcrGeom.hpp"
 
 namespace yade {
 

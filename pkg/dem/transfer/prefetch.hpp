@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "dem/contacts/CdPhys.hpp"
+#include "dem/contacts/RcrGeom.hpp"
 
 namespace yade {
 

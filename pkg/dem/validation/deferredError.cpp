@@ -63,11 +63,7 @@ std::string takeError()
 void awaitEnd()
 {
 	if (Omega::instance().isRunning()) return;
-	Py_BEGIN_ALLOW_THREADS;
-	{
-		const std::lock_guard<std::mutex> ended(runMutex(runThread(Omega::instance())));
-	}
-	Py_END_ALLOW_THREADS;
+	const std::lock_guard<std::mutex> ended(runMutex(runThread(Omega::instance())));
 }
 
 } // namespace yade

@@ -15,8 +15,7 @@ void rememberError(const std::string& message);
 /// Returns the message of the exception that ended the last run, and clears it.
 std::string takeError();
 
-/// Waits until a paused run is over, since O.pause() returns during its last step. Call it with
-/// Python's lock, which it releases meanwhile.
+/// Waits until a paused run is over, since O.pause() returns during its last step.
 void awaitEnd();
 
 } // namespace yade
