@@ -151,8 +151,6 @@ CHANGES = {
     "masks that change": dict(events=[dict(event="mask", at=50, every=7, place="last")]),
     "watched and kicked": dict(events=[dict(event=event, at=37, every=37, place="last")
                                        for event in ("look", "kick")]),
-    **{f"pushed every {n} steps": dict(events=[dict(event="push", at=1, every=n,
-                                                    place="before solver")]) for n in (7, 50)},
 }  # fmt: skip
 
 
@@ -255,6 +253,19 @@ def test_an_error_leaves_the_scene_as_the_step_began():
     insert(-1, w.PyRunner(command="raise RuntimeError('enough')", iterPeriod=80))
     refused("enough", O.run, 200, True, error=RuntimeError)
     assert O.iter == 130 and np.isfinite(snapshot()).all() and contact_forces()
+
+
+@pytest.mark.parametrize("period", [1, 2, 7, 50])
+def test_forces_that_a_script_adds_now_and_then_act(period):
+    speeds = []
+    for arrays in (True, False):
+        build(*[stadium(0.2, 0.1, (k, 5), material=material(0)) for k in range(2)],
+              before=[w.PyRunner(command="O.forces.addF(0, (2, 0, 0)); O.forces.addT(1, (0, 0, 1))",
+                                 iterPeriod=period)])
+        solver().arrays = arrays
+        O.run(150, True)
+        speeds.append((O.bodies[0].state.vel[0], O.bodies[1].state.angVel[2]))
+    assert speeds[0] == speeds[1] and min(speeds[0]) > 0
 
 
 def observed(ids, every):
