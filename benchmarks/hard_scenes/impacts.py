@@ -44,7 +44,7 @@ def s02_chain(make, clock):
     return abs(sum(end) / load - 1)
 
 
-@hard_scene("Painlevé rod", "relative error of the twist after the impact",
+@hard_scene("Painlevé rod", "relative error of velocity and spin after the impact",
             reason="tolerance 1e-4, and the curvature s²/2ρ of a step, which the closed form "
             "neglects", rigid_only=True)  # springs need many steps for the impact
 def s11_painleve(make, clock):
@@ -60,7 +60,7 @@ def s11_painleve(make, clock):
     state(rod).vel = (-speed, 0, 0)
 
     def stopped():
-        """Twist after the impact that stops the tip, from v + dt g."""
+        """(v_x, v_y, ω) after the impact that stops the tip, from v + dt g."""
         m, inertia = state(rod).mass, state(rod).inertia[2]
         x, y = -a * math.cos(angle), -a * math.sin(angle) - cap
         jacobian = np.array([[0, 1, x], [1, 0, -y]])  # of the tip: normal, tangential

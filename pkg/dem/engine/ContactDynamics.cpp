@@ -83,7 +83,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
 /// an undetected contact closes, or if a bias must change. The last pass is accepted, but the step
-/// has not converged if an undetected contact closes.
+/// has not converged if an undetected contact closes. Settings of a pass start from `first`.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations          = 0;
@@ -98,7 +98,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	rcr::Settings    first = settingsOfFirstPass(bounds), passSettings = first;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
 		// a solution exists, so no contact may yield
-		if (rcr::restIsSolution(step_, bounds.driveSpeed)) passSettings.yielding.compliance = 0;
+		if (rcr::restIsAdmissible(step_, bounds.driveSpeed)) passSettings.yielding.compliance = 0;
 		solvePass(passSettings);
 		if (pass == mostPasses) {
 			if (timed("undetectedContacts",
@@ -111,7 +111,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		if (outcome == PassOutcome::consistent) break;
 		// The drive is measured at contact points. The added contact may be the first one of a
 		// driven body.
-		if (outcome == PassOutcome::undetectedContact && bounds.driveSpeed == 0) {
+		if (outcome == PassOutcome::contactsAdded && bounds.driveSpeed == 0) {
 			bounds = rcr::yieldBoundsOf(step_, workspace_.team());
 			if (bounds.driveSpeed > 0) first = settingsOfFirstPass(bounds);
 		}
@@ -167,7 +167,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
 		// The last pass is not reviewed, so restitution could add energy. Overdamped steps need
 		// negative biases to remove overlaps.
 		if (pass == mostPasses - 1 && !overdamped) rcr::removeRestitution(step_);
-		return PassOutcome::undetectedContact;
+		return PassOutcome::contactsAdded;
 	}
 	if (overdamped) return PassOutcome::consistent;
 	return timed("biasUpdate", [&] {

@@ -3,15 +3,18 @@
 //   v⁺ = v⁻ + M⁻¹ (dt f + Jᵀ p)          f: gravity and forces of earlier engines [N per unit depth]
 //   0 ≤ u_n + b_n ⟂ p_n ≥ 0               u = J v⁺: relative velocity of a point [m/s]; p: impulse [N s]
 //   |p_t| ≤ µ p_n, opposite to sliding    b_n: gap/dt if open, e u_n⁻ if it rebounds, else 0 [m/s]
+// v⁻ and v⁺ are the velocities before and after the step, M the masses, e the restitution.
 //
 // Stages of a step, on arrays (kernel/step/step.hpp) from `gather` to `scatter`:
 //
-//   gather → [ solve → review ] repeated → compute correction → monitor → observe → scatter
+//   gather → [ solve → review ] repeated → correct → monitor → observe → scatter
 //
-// A review detects further contacts of fast bodies and adapts biases. `scatter` adds the forces
-// p/dt and displaces bodies by the correction. NewtonIntegrator moves them. While no engine needs
-// YADE's objects, one action takes up to 100 steps (ArraySteps). Source: Moreau 1988, 1999; Jean
-// 1999.
+// `gather` copies bodies, loads and contacts, and the last forces as initial impulses. A review adds
+// contacts that bodies have met beyond their alert distance. It adapts biases: to curved paths, and
+// where restitution would add energy. Each change requires another pass. The correction is a
+// displacement. `monitor` counts the step and throws at a jam. `scatter` adds the forces p/dt and
+// displaces the bodies; NewtonIntegrator moves them. In a run, the action may take up to 100
+// further steps in arrays (ArraySteps). Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
 #include <thread>
@@ -108,14 +111,14 @@ public:
 	DECLARE_LOGGER;
 private:
 	// Result of a pass. All outcomes but `consistent` require a further pass.
-	enum class PassOutcome { consistent, undetectedContact, yieldedBiasLowered, biasChanged };
+	enum class PassOutcome { consistent, contactsAdded, yieldedBiasLowered, biasChanged };
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;
 	rcr::Settings settings(const rcr::YieldBounds&) const;
 	rcr::Settings settingsOfFirstPass(const rcr::YieldBounds&);
 	rcr::Settings settingsOfNextPass(rcr::Settings first, PassOutcome) const;
-	void          setHomoDeform(bool gatherAddsFlow);
+	void          setHomoDeform(bool zero);
 	void          runSteps(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
 	void          solvePass(const rcr::Settings&);

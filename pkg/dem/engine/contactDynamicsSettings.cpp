@@ -78,7 +78,7 @@ rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::YieldBounds& bound
 /// tolerances.
 rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome outcome) const
 {
-	const bool newContacts = outcome == PassOutcome::undetectedContact;
+	const bool newContacts = outcome == PassOutcome::contactsAdded;
 	if (tolerance >= fineTolerance)
 		s.maxIterations = std::max(s.maxIterations - iterations, sweepsOfNextPass);
 	s.minIterations = std::min(sweepsOfNextPass, s.maxIterations);
@@ -103,13 +103,13 @@ void ContactDynamics::updateMeanStretch()
 	setStartFlow();
 }
 
-/// Without inertia and under CellStress, gather adds the mean flow of the cell. NewtonIntegrator
-/// must not add it again. Other steps get the earlier setting back.
-void ContactDynamics::setHomoDeform(bool gatherAddsFlow)
+/// Without inertia and under CellStress, NewtonIntegrator must not add the mean flow of the cell:
+/// homoDeform is then 0. Other steps get the earlier setting back.
+void ContactDynamics::setHomoDeform(bool zero)
 {
 	int& present = scene->cell->homoDeform;
-	if (gatherAddsFlow && present != 0) homoDeformBefore = std::exchange(present, 0);
-	if (!gatherAddsFlow && homoDeformBefore != 0) present = std::exchange(homoDeformBefore, 0);
+	if (zero && present != 0) homoDeformBefore = std::exchange(present, 0);
+	if (!zero && homoDeformBefore != 0) present = std::exchange(homoDeformBefore, 0);
 }
 
 } // namespace yade

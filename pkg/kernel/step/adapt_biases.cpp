@@ -6,7 +6,7 @@
 
 namespace rcr {
 
-bool restIsSolution(const Step& step, double driveSpeed)
+bool restIsAdmissible(const Step& step, double driveSpeed)
 {
 	const auto& points = step.problem.points;
 	const auto  rests  = [](const ContactPoint& point) { return point.bias >= 0; };

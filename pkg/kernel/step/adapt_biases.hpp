@@ -11,7 +11,7 @@ namespace rcr {
 
 /// Returns true if rest satisfies the contact laws: no contact point is driven and no contact must
 /// open. The step then has a solution.
-bool restIsSolution(const Step&, double driveSpeed);
+bool restIsAdmissible(const Step&, double driveSpeed);
 
 /// Adapts the biases. Returns true if one changed.
 ///   allowRelease        contacts may be released

@@ -21,7 +21,7 @@ def _(v):
 
 
 @claim("O2", "P(θ) is isotropic after compaction",
-       "|a_c| below 0.05, or three standard errors of independent normals")
+       "|a_c| below 0.05, or below three standard errors of as many random directions")
 def _(v):
     a_c, error = require_finite(v["a_c"], "no isotropic.h5"), v["a_c_error"]
     return a_c <= np.maximum(0.05, 3 * error), a_c, error
@@ -38,7 +38,7 @@ def _(v):
 
 
 @claim("O2", "packing fraction after compaction has its peak near η = 0.4",
-       "largest at η in [0.3, 0.5], of runs on both sides")
+       "largest at an η in [0.3, 0.5]")
 def _(v):
     for low, high in ((0, 0.2), (0.3, 0.5), (0.6, 1)):
         rows_of(v, low, high)
@@ -77,7 +77,7 @@ claim("O5", "I_M from 0.4 (η = 0) to 0.6 (η = 0.7)", "both within 0.05 or two 
 
 
 @claim("O6 O5 O3", "mobilised contacts (I_m > 0.99) belong mostly to the weak network",
-       "a larger share of them is weak than of all contacts, at every η")
+       "the weak share of mobilised contacts exceeds that of all contacts, at every η")
 def _(_, v, forces):
     share = require_finite(v["mobilized_weak_share"], "no mobilised contact at some η")
     return share > forces["weak_fraction"], share, v["mobilized_weak_share_error"]
@@ -198,7 +198,7 @@ claim("O12", "C(f, ℓ) is positive for η ≤ 0.3, negative above", SIGN)(
     lambda v: _sign_change(v, "c_f_l"))
 
 
-@claim("O12", "down to −0.22", "smaller of the two at η = 0.7 within 0.05 or two errors of −0.22",
+@claim("O12", "C falls to −0.22", "smaller of C(f, ℓ_r), C(f, ℓ) at η = 0.7 within 0.05 or two errors",
        etas=0.7)
 def _(v):
     value, error = min((v[name], v[f"{name}_error"]) for name in ("c_f_lr", "c_f_l"))
@@ -207,7 +207,7 @@ def _(v):
 
 
 @claim("O13", "force above the mean for side-side contacts, well below it for aligned cap-cap ones",
-       "first bin of ℓ_r above 1, last below 0.8, at every η ≥ 0.4", etas=(0.4, 1))
+       "mean force of the lowest bin of ℓ_r above 1, of the highest below 0.8, at η ≥ 0.4", etas=(0.4, 1))
 def _(v):
     bins = [means[np.isfinite(means)] for means in v["f_l_r"]]
     if not all(map(len, bins)):
@@ -239,7 +239,7 @@ def _(v):
 
 
 @claim("O14", "at η = 0.5 its anisotropy grows with ξ",
-       "amplitude of each ξ shown not below that of the one before by two errors", etas=0.5)
+       "no amplitude is below that of the previous ξ by more than two errors", etas=0.5)
 def _(v):
     amplitude, error = require_finite(v["amplitude"]), known(v["amplitude_error"])
     rises = np.diff(amplitude) > -SIGMAS * np.hypot(error[1:], error[:-1])
@@ -277,14 +277,14 @@ def _(v):
 
 
 @claim("O16", "where negative, a_ln has its peak for ξ in [1, 2]",
-       "lowest at ξ in [0.9, 2.1] for every η ≥ 0.2 (ξ given; 6 ends the search)", etas=(0.2, 1))
+       "lowest at a ξ in [0.9, 2.1] for every η ≥ 0.2 (ξ given; searched up to 6)", etas=(0.2, 1))
 def _(v):
     xi, _, _ = minimum(v, "a_ln")
     return (xi >= 0.9) & (xi <= 2.1), xi
 
 
 @claim("O16", "a_lt < 0 and monotonic in ξ",
-       "a_lt(∞) < 0; steps back below 10 % of its range or two errors, for every η > 0", LONG)
+       "a_lt(∞) < 0; no rise by more than 10 % of its range or two errors, for every η > 0", LONG)
 def _(v):
     smooth, _ = is_monotonic(v, "a_lt", -1)
     value = v["a_lt"][:, -1]
@@ -322,7 +322,7 @@ def _(v):
 
 
 claim("O17", "a_ft rises with ξ",
-      "steps back below 10 % of its range or two errors, at every η (largest given)")(
+      "no fall by more than 10 % of its range or two errors, at every η (largest given)")(
     lambda v: is_monotonic(v, "a_ft", +1))
 claim("O17", "a_ft rises with η", "slope of a_ft(∞) positive beyond two errors")(
     lambda v: trend(v | dict(whole=v["a_ft"][:, -1]), "whole", +1))
@@ -337,7 +337,7 @@ def _(v):
 
 
 @claim("O18", "q/p of the weak network below 0.1",
-       "q(1)/p below 0.1 or two errors above it, at every η")
+       "q(1)/p below 0.1, with a margin of two errors, at every η")
 def _(v):
     value, error = at_xi_1(v, "q_over_p")
     return value - SIGMAS * error < 0.1, value, error
