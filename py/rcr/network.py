@@ -216,7 +216,7 @@ class Network:
         return np.sqrt(edges[1:] * edges[:-1]), count / (np.diff(edges) * len(force))
 
     def friction_mobilization(self):
-        """Return I_m = |f_t|/(µ f_n) of each contact between grains, 0 for µ = 0, (C,) [-].
+        """Return I_m = |f_t|/(µ f_n) of each contact between grains, 0 for µ f_n = 0, (C,) [-].
 
         A ValueError reports that no contact between grains has µ > 0, or that one has unknown µ.
         """
@@ -231,7 +231,7 @@ class Network:
             raise ValueError(f"{given}; the mobilisation needs a coefficient > 0")
         limit = friction * force[:, 0]
         tangential = np.abs(force[:, 1])
-        return np.divide(tangential, limit, out=np.zeros_like(limit), where=friction > 0)
+        return np.divide(tangential, limit, out=np.zeros_like(limit), where=limit != 0)
 
     def grain_stresses(self):
         """Return the mean stress in each grain, (N, 2, 2) [Pa]; see `Frame.stress_tensors`."""

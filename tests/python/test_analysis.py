@@ -217,7 +217,7 @@ def test_bad_runs_are_refused(tmp_path):
     refused("has no network-\\*.h5", Run.read, tmp_path / "empty")
     refused("no runs", analysis.analyse, [])
     run = Run.read(write_run(tmp_path / "a", 0.5))
-    refused("no network at a strain from 0.9 to inf; they are at 0.1000 to 0.4000", Run.read,
+    refused("no network at a strain from 0.9 to 0.4; they are at 0.1000 to 0.4000", Run.read,
             tmp_path / "a", from_strain=0.9)
     slippery, smooth = (Run.read(write_run(tmp_path / name, 0.5, friction=friction))
                         for name, friction in (("b", 0.3), ("c", 0.0)))
@@ -471,3 +471,18 @@ def test_the_network_at_the_edge_of_the_window_counts(tmp_path):
     assert strains_of(run) == [0.1996, 0.3, 0.4]
     run = Run.read(run.folder, from_strain=0.2, to_strain=0.2996)
     assert strains_of(run) == [0.1996, 0.3]
+
+
+def test_another_sign_window_or_program_is_refused(tmp_path):
+    """Compression negative, averages over other strains of a second seed, run.json of a script."""
+    one, two = (write_run(tmp_path / name, 0.5, seed) for name, seed in (("a", 1), ("b", 2)))
+    history = "strain,stress_x,stress_y\n" + "".join(f"{k / 50},-1e4,-2e4\n" for k in range(25))
+    (one / "history.csv").write_text(history)
+    refused("stress_x \\+ stress_y.* = -30000; expected > 0, compression positive", Run.read, one)
+    (one / "history.csv").write_text(history.replace("-", ""))
+    assert Run.read(one).to_strain == Run.read(one).networks[-1].attributes["strain"]
+    shorter = Run.read(two, to_strain=0.2)
+    refused("averages over strains of .* give both --from-strain and --to-strain",
+            analysis.analyse, [Run.read(one), shorter])
+    (two / "run.json").write_text(json.dumps(dict(program="other.py", run="1", parameters={})))
+    refused("is of other.py; expected a folder of scripts/biaxial.py", Run.read, two)

@@ -26,7 +26,7 @@ namespace {
 				if (isPrescribed(c)) continue;
 				const bool isLarge = hasLargeDisplacement(step_, c);
 				if (!isLarge && !closes(c)) continue;
-				if (isLarge
+				if (isLarge && c.count > 0
 				        && passedThrough(step_, c, step_.problem.points[c.first].normal,
 				                solvedPointsAfter(step_, c, step_.dt), step_.dt))
 					return 1;

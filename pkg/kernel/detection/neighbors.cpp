@@ -66,7 +66,7 @@ bool Neighbors::findMovedBodies(const Step& step, ThreadTeam& team)
 		const Reference& at   = reference_[id];
 		if (body.shape.kind == PlanarShape::none && at.shape.kind == PlanarShape::none) return;
 		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius()
-		        || body.shape.halfWidth != at.shape.halfWidth)
+		        || body.shape.halfWidth != at.shape.halfWidth || body.shape.axis != at.shape.axis)
 			same.store(false, std::memory_order_relaxed);
 		else
 			isMoved_[id] = displacement(at, body) + body.alertDistance - at.alertDistance > margin_;

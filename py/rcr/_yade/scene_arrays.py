@@ -8,7 +8,7 @@ from yade.wrapper import (
     Sphere, Wall,
 )  # fmt: skip
 
-from rcr._data.network_columns import CAP_CAP, rows as rows_of
+from rcr._data.network_columns import CAP_CAP, CAP_SIDE, SIDE_SIDE, rows as rows_of
 from rcr._pictures.outlines import areas
 
 _GRAINS = dict(
@@ -141,20 +141,26 @@ def _contacts(O, ids, centers, cell):
 
 
 def _contact(i):
-    """Return the columns of one contact, None without contact points."""
+    """Return the columns of one contact, None without contact points.
+
+    Points without a force do not count: detection reaches further for faster grains. Sides that
+    press at one end alone are a cap on a side.
+    """
     geom, phys = i.geom, i.phys
     ours = isinstance(geom, RcrGeom)
     force = phys.normalForce
     if isinstance(phys, NormShearPhys):
         force = force + phys.shearForce
     normal, position = geom.normal, geom.contactPoint
-    points = geom.points if ours else 1
+    kind, points = (geom.type, geom.points) if ours else (CAP_CAP, 1)
     if points == 0:
         return None
     if points == 2:
         one, two = phys.force1[0], phys.force2[0]
         if one + two > 0:
             position = (one * geom.position1 + two * geom.position2) / (one + two)
+        if one <= 0 or two <= 0:
+            kind, points = (CAP_SIDE if kind == SIDE_SIDE else kind), 1
     vectors = tuple((vector[0], vector[1]) for vector in (position, normal, force))
     friction = phys.tangensOfFrictionAngle if isinstance(phys, FrictPhys) else math.nan
-    return i.id1, i.id2, geom.type if ours else CAP_CAP, points, *vectors, friction
+    return i.id1, i.id2, kind, points, *vectors, friction

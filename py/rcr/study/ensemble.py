@@ -61,7 +61,7 @@ class Ensemble:
 
 def common_value(networks, name):
     """Return an attribute that the networks share; a ValueError reports several values or none."""
-    found = sorted({float(network.attributes.get(name, np.nan)) for network in networks})
+    found = sorted({round(float(n.attributes.get(name, np.nan)), 9) for n in networks})
     if len(found) > 1 or not np.isfinite(found[0]):
         listed = ", ".join(f"{value:g}" for value in found)
         raise ValueError(f"the networks have {name} = {listed}; expected one value")

@@ -49,7 +49,7 @@ class Run:
     @property
     def eta(self):
         """Elongation [-]."""
-        return float(self.networks[0].attributes["eta"])
+        return round(float(self.networks[0].attributes["eta"]), 9)
 
     @classmethod
     def read(cls, folder, from_strain=None, to_strain=None, include_yielded=False):
@@ -63,11 +63,15 @@ class Run:
         folder = pathlib.Path(files.path_of("the folder", folder))
         networks, isotropic = _networks(folder)
         record = results.read(folder)
+        if record and record["program"] != "biaxial.py":
+            raise ValueError(f"{folder / results.RUN} is of {record['program']}; expected a folder of "
+                             "scripts/biaxial.py, or networks without this file")
         _check_one_run(networks, isotropic, record)
         ordered = sorted(networks.values(), key=_strain)
-        to_strain = np.inf if to_strain is None else checks.number("to_strain", to_strain)
+        last = _strain(ordered[-1])
+        to_strain = last if to_strain is None else min(last, checks.number("to_strain", to_strain))
         if from_strain is None:
-            from_strain = critical_start(min(to_strain, _strain(ordered[-1])))
+            from_strain = critical_start(to_strain)
         from_strain = checks.number("from_strain", from_strain)
         run = cls(folder, ordered, from_strain, to_strain, next(iter(isotropic.values()), None),
                   _history(folder / "history.csv"), record,
@@ -199,6 +203,8 @@ def _history(path):
                    for name in (*_HISTORY, _YIELDED) if name in rows[0]}
         rises = np.append(True, np.diff(history["strain"]) > 0)
         checks.require(rises, "the strain", history["strain"], "more than in the record before")
+        pressure = history["stress_x"] + history["stress_y"]
+        checks.require(pressure > 0, "stress_x + stress_y", pressure, "> 0, compression positive")
         if history["stress_x"].mean() > history["stress_y"].mean():  # σ₁ is along x
             history["stress_x"], history["stress_y"] = history["stress_y"], history["stress_x"]
         return history
@@ -240,6 +246,11 @@ def _check_seeds(runs):
         if any(itertools.starmap(np.array_equal, itertools.product(*positions))):
             raise ValueError(f"{two.folder} and {one.folder} hold networks of the same packing; "
                              "expected packings of different seeds: leave one out")
+        windows = [(run.from_strain, run.to_strain) for run in (one, two)]
+        if np.abs(np.subtract(*windows)).max() > 2 * HALF_RECORD:
+            ranges = " and ".join(f"{low:g} to {high:g}" for low, high in windows)
+            raise ValueError(f"{one.folder} and {two.folder} have averages over strains of {ranges}; "
+                             "give both --from-strain and --to-strain")
         if not (one.record and two.record):
             continue
         if one.record["run"] == two.record["run"]:

@@ -13,7 +13,7 @@ from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
 from rcr.network import OBSTACLE, OTHER
 from scenes import (G, box, build, heap, material, plane, pressed_box, python, refused, set_state,
-                    shrinking_cell, steps)
+                    shrinking_cell, stadium, steps)
 from yade import O
 from yade import wrapper as w
 from yade.minieigenHP import Matrix3
@@ -391,3 +391,17 @@ def test_networks_of_spheres_under_a_law_of_yade():
     assert network.contacts["friction"] == pytest.approx(math.tan(0.4))
     one, two = np.hypot(*network.contacts["force"].T)
     assert network.stress()[0, 0] == pytest.approx((one * 0.995 + two * 1.99) / 8)  # f × branch
+
+
+def test_sides_that_press_at_one_end_are_a_cap_on_a_side():
+    """A tilted rod touches at one end. Its other end is within the alert distance."""
+    rough, a, r, tilt = material(0.5), 0.09, 0.01, 0.001
+    lower = stadium(a, r, (0, r), material=rough)
+    upper = stadium(a, r, (0, 3 * r + a * math.sin(tilt)), tilt, material=rough)
+    build(rcr.wall("y", 0, material=rough), lower, upper, dt=1e-4)
+    O.step()
+    geom, phys = O.interactions[1, 2].geom, O.interactions[1, 2].phys
+    assert geom.type == 2 and geom.points == 2 and phys.force1[0] * phys.force2[0] == 0
+    contacts = rcr.contact_network().contacts
+    pair = (contacts["body1"] == 1) & (contacts["body2"] == 2)
+    assert contacts["type"][pair] == [1] and contacts["points"][pair] == [1]
