@@ -143,8 +143,8 @@ def _contacts(O, ids, centers, cell):
 def _contact(i):
     """Return the columns of one contact, None without contact points.
 
-    Points without a force do not count: detection reaches further for faster grains. Sides that
-    press at one end alone are a cap on a side.
+    Of two points, one without a force does not count, since detection reaches further for faster
+    grains. Sides that press at one end alone are a cap on a side.
     """
     geom, phys = i.geom, i.phys
     ours = isinstance(geom, RcrGeom)

@@ -49,7 +49,7 @@ class Run:
     @property
     def eta(self):
         """Elongation [-]."""
-        return round(float(self.networks[0].attributes["eta"]), 9)
+        return common_value(self.networks, "eta")
 
     @classmethod
     def read(cls, folder, from_strain=None, to_strain=None, include_yielded=False):

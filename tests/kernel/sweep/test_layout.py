@@ -121,7 +121,8 @@ def test_a_pair_takes_the_lowest_colour_that_is_free_at_both_bodies(case):
         section = chunks[number][4]
         at = [taken.setdefault((section, b), set()) for b in bodies if not fixed[b]]
         colour = min(set(range(COLOURS)).difference(*at))
-        [colours.add(colour) for colours in at]
+        for colours in at:
+            colours.add(colour)
         found.setdefault(number, set()).add((section, colour, model, -points))
     order = [key for number in sorted(found) for key in found[number]]
     assert order == sorted(set(order)) and len(order) == len(chunks)

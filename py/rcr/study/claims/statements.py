@@ -198,16 +198,16 @@ claim("O12", "C(f, ℓ) is positive for η ≤ 0.3, negative above", SIGN)(
     lambda v: _sign_change(v, "c_f_l"))
 
 
-@claim("O12", "C falls to −0.22", "smaller of C(f, ℓ_r), C(f, ℓ) at η = 0.7 within 0.05 or two errors",
-       etas=0.7)
+@claim("O12", "C falls to −0.22",
+       "smaller of C(f, ℓ_r), C(f, ℓ) at η = 0.7 within 0.05 or two errors", etas=0.7)
 def _(v):
-    value, error = min((v[name], v[f"{name}_error"]) for name in ("c_f_lr", "c_f_l"))
-    require_finite(value)
-    return is_within(value + 0.22, 0.05, error), f"{value:.3f}", format_errors(error)
+    c, error = min((v[name], v[f"{name}_error"]) for name in ("c_f_lr", "c_f_l"))
+    return is_within(require_finite(c) + 0.22, 0.05, error), f"{c:.3f}", format_errors(error)
 
 
 @claim("O13", "force above the mean for side-side contacts, well below it for aligned cap-cap ones",
-       "mean force of the lowest bin of ℓ_r above 1, of the highest below 0.8, at η ≥ 0.4", etas=(0.4, 1))
+       "mean force of the lowest bin of ℓ_r above 1, of the highest below 0.8, at η ≥ 0.4",
+       etas=(0.4, 1))
 def _(v):
     bins = [means[np.isfinite(means)] for means in v["f_l_r"]]
     if not all(map(len, bins)):
