@@ -80,11 +80,13 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 {
 	const RcrGeom& geom = static_cast<const RcrGeom&>(*igeom);
 	if (geom.points == 0 || !prepare(iphys, *interaction)) return false;
+	const Body::id_t id1 = interaction->getId1(), id2 = interaction->getId2();
+	const Body &     one = *Body::byId(id1, scene), &two = *Body::byId(id2, scene);
+	if (one.isClumpMember() && one.clumpId == two.clumpId) return false; // a clump has joined them
 	RcrFrictPhys& phys = static_cast<RcrFrictPhys&>(*iphys);
 	carryForces(geom, phys);
 
-	const Body::id_t    id1 = interaction->getId1(), id2 = interaction->getId2();
-	const State &state1 = *Body::byId(id1, scene)->state, &state2 = *Body::byId(id2, scene)->state;
+	const State &       state1 = *one.state, &state2 = *two.state;
 	const rcr::Manifold manifold = geom.manifold();
 	const double        inverse  = inverseMass(id1, scene) + inverseMass(id2, scene);
 	const double        dashpot  = damping > 0 && inverse > 0

@@ -170,6 +170,10 @@ namespace {
 			const Body::id_t id1 = i.getId1(), id2 = i.getId2();
 			if (!i.functorCache.geomExists) validation::refuseUnsupported(scene_, id1, id2);
 			if (!i.isReal()) return {};
+			if (step_.bodies[id1].owner == step_.bodies[id2].owner) { // a clump has joined them
+				i.reset();
+				return {};
+			}
 			CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
 			RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic()
 			        ? static_cast<RcrGeom*>(i.geom.get())

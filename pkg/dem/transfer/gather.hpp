@@ -33,7 +33,7 @@ struct SceneHandles {
 };
 
 /// Sets bodies, contacts, loads and start forces. Throws std::invalid_argument for unsupported
-/// scenes. Does not change the scene.
+/// scenes. Erases contacts within clumps; else does not change the scene.
 void gather(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&, rcr::Step&);
 
 /// Gathers some of the bodies again, with the forces on them.

@@ -7,6 +7,7 @@ the long axis [rad], ``half_length`` and ``cap_radius`` (N,) [m]. A disc has the
 import numpy as np
 
 UNION_STRIPS = 20_000  # vertical strips of a union; the relative error of its area is about 1e-6
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)  # of a panel of strips
 
 
 def areas(grains):
@@ -42,27 +43,39 @@ def polygons(grains, points=12):
 def union(grains, strips=UNION_STRIPS):
     """Return area [m²], centroid (2,) [m] and polar moment about it [m⁴] of the union of grains.
 
-    The integral is exact along y and follows the midpoint rule along x.
+    The integral is exact along y. Along x it is Gauss's over panels between the ends of grains.
     """
-    x, reach = grains["position"][:, 0], half_extents(grains)[:, 0]
-    left, right = (x - reach).min(), (x + reach).max()
-    width = (right - left) / strips
-    at = left + width * (np.arange(strips) + 0.5)
+    at, width = _strips(grains, strips)
     low, high = _sections(grains, at)
     order = np.argsort(low, axis=0)
     low, high = np.take_along_axis(low, order, axis=0), np.take_along_axis(high, order, axis=0)
     # each line: cut every interval to the part above the previous intervals
-    below = np.vstack([np.full((1, strips), -np.inf), high[:-1]])
+    below = np.vstack([np.full((1, len(at)), -np.inf), high[:-1]])
     counted = np.maximum.accumulate(below, axis=0)
     low, high = np.maximum(low, counted), np.maximum(high, counted)
     there = np.isfinite(low) & (high > low)
     low, high = np.where(there, low, 0), np.where(there, high, 0)
     # ∫ 1, y, y² dy along each line
     length, first, second = ((high**k - low**k).sum(axis=0) / k for k in (1, 2, 3))
-    area = width * length.sum()
-    center = width * np.array([(at * length).sum(), first.sum()]) / area
-    polar = width * ((at**2 * length).sum() + second.sum()) - area * (center @ center)
+    area = width @ length
+    center = np.array([width @ (at * length), width @ first]) / area
+    polar = width @ (at**2 * length + second) - area * (center @ center)
     return area, center, polar
+
+
+def _strips(grains, count):
+    """Return x and width of about `count` vertical strips over all grains, (L,) each [m].
+
+    No strip contains an end of a grain, so that thin grains have strips of their own. With x =
+    sin t between two ends, the sections of caps are smooth in t.
+    """
+    x, reach = grains["position"][:, 0], half_extents(grains)[:, 0]
+    ends = np.unique([x - reach, x + reach])
+    panels = max(1, count // (len(_NODES) * (len(ends) - 1)))
+    t = np.pi / panels * (np.arange(panels)[:, None] + (1 + _NODES) / 2).ravel() - np.pi / 2
+    weight = np.pi / (2 * panels) * np.tile(_WEIGHTS, panels) * np.cos(t)
+    middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
+    return (middle[:, None] + half[:, None] * np.sin(t)).ravel(), np.outer(half, weight).ravel()
 
 
 def _sections(grains, x):

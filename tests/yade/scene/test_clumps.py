@@ -8,7 +8,7 @@ import rcr
 from scenes import (G, LAWS, assert_reload_changes_nothing, build, insert, material, refused,
                     set_state, solver, springy, stadium, steps, velocity, walls)
 from yade import O
-from yade.wrapper import ForceEngine
+from yade.wrapper import ForceEngine, PyRunner
 
 
 def two_discs(center, angle, m, R=0.1, **options):
@@ -147,3 +147,47 @@ def test_members_that_are_fixed_or_move_are_refused(options):
     refused(r"members\[1\] is fixed or moves", rcr.clump,
             [rcr.disc((0, 0), 0.1), rcr.disc((0.2, 0), 0.1, **options)])
     assert len(O.bodies) == 0
+
+
+@LAWS
+@pytest.mark.parametrize("place", ["between runs", "in a step"])
+def test_touching_grains_may_be_joined_in_a_run(law, place):
+    """Their contact ends; the floor bears the clump."""
+    m = springy()
+    floor, *discs = build(rcr.wall("y", 0, material=m), *(rcr.disc((0.1999 * k, 0.1), 0.1, m)
+                                                          for k in range(2)),
+                          law=law, dt=1e-3 if law == "rigid" else 1e-5)
+    O.run(10, True)
+    assert O.interactions[discs].isReal
+    if place == "between runs":
+        join()
+    else:
+        insert(3, PyRunner(command="import test_clumps; test_clumps.join()", iterPeriod=1, nDo=1,
+                           initRun=True))
+    O.run(10, True)
+    assert [(i.id1, i.id2) for i in O.interactions if i.isReal] == [(floor, k) for k in discs]
+    assert len(rcr.contact_network(volume=1).contacts["body1"]) == 2
+    if law == "rigid":
+        assert O.forces.f(floor)[1] == pytest.approx(-O.bodies[3].state.mass * G, rel=1e-6)
+
+
+def join():
+    """Join the discs 1 and 2 as O.bodies.clump does, whose axes may leave the plane."""
+    one, two = (O.bodies[k].state for k in (1, 2))
+    x, y, _ = (one.pos + two.pos) / 2
+    inertia = 2 * (one.inertia[2] + one.mass * 0.1**2)
+    rcr._plugin.planar_clump([1, 2], x, y, 2 * one.mass, inertia)
+
+
+@pytest.mark.parametrize("distance", [0.2, 2.0, 20.0])
+@pytest.mark.parametrize("angle", [0, 0.4, math.pi / 2])
+def test_area_of_thin_rods_far_apart(distance, angle):
+    """Upright rods of 1e-5 of their distance need strips of their own."""
+    build()
+    rods = [rcr.particle((x * math.cos(angle), x * math.sin(angle)), 0.01, 0.999,
+                         angle=angle + math.pi / 2, material=material()) for x in (0, distance)]
+    own = sum(rod.state.mass for rod in rods)
+    clump, _ = rcr.clump(rods)
+    assert O.bodies[clump].state.mass == pytest.approx(own, rel=1e-6)
+    assert O.bodies[clump].state.inertia[2] == pytest.approx(own * distance**2 / 4, rel=1e-2)
+    assert rcr.measure.areas()[1].sum() == pytest.approx(own / 1000, rel=1e-3)
