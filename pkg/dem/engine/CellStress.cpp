@@ -46,8 +46,8 @@ void CellStress::clearStressedAxes(Matrix3r& gradient) const
 void CellStress::gatherCell(rcr::Step& step) const
 {
 	double grains = 0; // their mass
-	for (std::size_t id = 0; id < step.bodies.size(); ++id)
-		if (step.problem.inverseMass[id].x > 0) grains += 1 / step.problem.inverseMass[id].x;
+	for (const rcr::InverseMass& inverse : step.problem.inverseMass)
+		if (inverse.x > 0 || inverse.y > 0) grains += 1 / std::max(inverse.x, inverse.y);
 	if (grains == 0) return;
 	rcr::PeriodicCell& cell = step.cell;
 	const rcr::Vec2    size = lengths(cell);

@@ -283,6 +283,18 @@ def test_empty_cell_falls_together_as_a_body_of_its_mass():
     assert all(b.state.vel.norm() == 0 for b in O.bodies)
 
 
+@pytest.mark.parametrize("blocked", ["xz", "yz"])
+def test_a_cell_has_the_mass_of_grains_that_move_along_one_axis(blocked):
+    size, dt = 2.0, 1e-3
+    grain = rcr.disc((1, 1), 0.1, material=material())
+    grain.state.blockedDOFs = blocked + "XY"
+    pressed(grain, size=size, stress=(3, 5), dt=dt)
+    steps(1)
+    inertia = grain.state.mass * size**2 / 12
+    assert [O.cell.velGrad[k, k] for k in range(2)] == pytest.approx(
+        [-stress * size**2 * dt / inertia for stress in (3, 5)], rel=1e-12)
+
+
 @pytest.mark.parametrize("eta", [0, 0.5])
 def test_grains_come_to_rest_under_the_stress_of_their_cell(eta):
     """Contracted until they touch, then pressed without inertia."""
