@@ -39,7 +39,7 @@ void ContactDynamics::action()
 /// Solves this step, and up to 100 following steps in arrays until one requires YADE's objects.
 void ContactDynamics::runSteps(const validation::Engines& engines)
 {
-	if (scene->iter == 0) energy = {}; // of another scene
+	energy.belongTo(*scene);
 	rcr::ThreadTeam& team  = workspace_.team();
 	step_.overdamped = overdamped;
 	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();

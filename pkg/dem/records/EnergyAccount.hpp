@@ -9,6 +9,13 @@ namespace yade {
 
 class EnergyAccount {
 public:
+	/// Drops energies of another scene. A new or loaded account takes the first scene as its own.
+	void belongTo(const Scene& scene)
+	{
+		if (known_ && scene_.lock().get() != &scene) pending_ = {};
+		scene_ = scene.weak_from_this(), known_ = true;
+	}
+
 	/// Enters the energies of the last step and computes the energies of this step. `impulses`: sum
 	/// of the contact impulses on each body [N s, N m s].
 	void enterLast(EnergyTracker& energy, const rcr::Step& step,
@@ -34,7 +41,9 @@ public:
 	}
 
 private:
-	rcr::StepEnergy pending_;
+	rcr::StepEnergy                   pending_;
+	boost::weak_ptr<const Factorable> scene_;
+	bool                              known_ = false; // the scene
 };
 
 } // namespace yade
