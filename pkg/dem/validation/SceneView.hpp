@@ -72,6 +72,7 @@ struct View {
 std::string loadAfterSolver(const View&);
 std::string loadWithoutEffect(const View&);
 std::string servoBeforeIntegrator(const View&);
+std::string recorderBeforeSolver(const View&);
 std::string attributeErrors(const View&);
 std::string timeStep(const View&);
 std::string finiteMotion(const View&);

@@ -64,6 +64,20 @@ std::string servoBeforeIntegrator(const View& v)
 	return {};
 }
 
+/// A recorder reads forces that are complete after ContactDynamics.
+std::string recorderBeforeSolver(const View& v)
+{
+	const int solver = v.indexOf<ContactDynamics>();
+	for (int k = 0; k < solver; ++k) {
+		const std::string name = v.engines[k]->getClassName();
+		if (!v.engines[k]->dead && (name == "ForceRecorder" || name == "TorqueRecorder"))
+			return "the " + name
+			        + " stands before ContactDynamics, so it would record forces without those of "
+			          "contacts; put it after the NewtonIntegrator.";
+	}
+	return {};
+}
+
 std::string attributeErrors(const View& v)
 {
 	for (const auto& engine : v.engines) {

@@ -130,6 +130,7 @@ namespace {
 		{ rigid,   loadAfterSolver },
 		{ any,     loadWithoutEffect },
 		{ rigid,   servoBeforeIntegrator },
+		{ rigid,   recorderBeforeSolver },
 		{ any,     timeStep },
 		{ any,     attributeErrors },
 		{ any,     cellStress },

@@ -161,6 +161,9 @@ RIGID = [  # under the rigid law
     (lambda: insert(-1, w.StepDisplacer(ids=[0], mov=(1e-3, 0, 0))), "the StepDisplacer " + UNSEEN),
     (lambda: insert(1, w.ServoPIDController(axis=(0, 1, 0), maxVelocity=0.1, ids=[0], target=1)),
      "would read forces without those of contacts; put it after the NewtonIntegrator"),
+    (lambda: insert(3, w.ForceRecorder(ids=[0], file="/dev/null")),
+     "the ForceRecorder stands before ContactDynamics, so it would record forces without those of"),
+    (lambda: insert(3, w.TorqueRecorder(ids=[0], file="/dev/null")), "the TorqueRecorder stands"),
     (lambda: insert(0, w.GlobalStiffnessTimeStepper()),
      "the GlobalStiffnessTimeStepper would set O.dt from stiffnesses"),
     (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)), r"pulls out of the plane of the "
