@@ -156,11 +156,15 @@ namespace {
 			facing[0] = { corner, corner + out.distance * out.axis, out.axis, out.distance, true };
 			return 1;
 		}
-		int count = 0;
+		const Vec2   face   = perp(out.axis);
+		const double width  = std::abs(dot(c.half, face)), height = std::abs(dot(c.half, out.axis));
+		int          count  = 0;
 		for (Vec2 end : c.ends) {
-			const double depth = dot(end, out.axis) - std::abs(c.half.x * out.axis.x)
-			        - std::abs(c.half.y * out.axis.y);
-			facing[count++] = { end - depth * out.axis, end, out.axis, depth, true };
+			// only the part of the core over the face counts
+			const double along  = dot(end, face), beyond = along - std::clamp(along, -width, width);
+			const Vec2   at     = beyond == 0 ? end : end - (beyond / dot(c.axis, face)) * c.axis;
+			const double depth  = dot(at, out.axis) - height;
+			facing[count++]     = { at - depth * out.axis, at, out.axis, depth, true };
 			if (c.halfLength == 0) break;
 		}
 		return count;

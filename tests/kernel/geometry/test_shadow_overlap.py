@@ -372,6 +372,12 @@ def test_box_gap_is_the_signed_distance(seed):
     with np.errstate(invalid="ignore"):
         # the kernel prefers faces within 1e-12 (h_x + h_y) < 2e-12
         assert_none(seen & ~(np.abs(deepest - gap) < 3e-12), arrays, "gap", "overlap_box")
+    on_box = found["position"] - 0.5 * found["gap"][:, :, None] * found["normal"] - box[:, None, :2]
+    beyond = np.stack([np.abs(dot(on_box, axis[:, None])) - half[:, None, k]
+                       for k, axis in enumerate((e, f))], axis=2).max(axis=2)
+    # a face passes for a side within 1e-12, and the foot moves by this over the tilt of the core
+    assert_none((np.nan_to_num(beyond, nan=-1) > 1e-9).any(axis=1), arrays, "off the box",
+                "overlap_box")
 
 
 @pytest.mark.parametrize("pose, gaps, xs", [
@@ -381,6 +387,7 @@ def test_box_gap_is_the_signed_distance(seed):
     pytest.param((2.52, 1.5, 0), [0.02 * 0.02 / 2 / 0.5], [2], id="cap on the corner"),
     pytest.param((0, 0.9, 0), [-0.6, -0.6], [-0.5, 0.5], id="deep overlap, nearest face"),
     pytest.param((0, 2, np.pi / 2), [0], [0], id="upright"),
+    pytest.param((1.9, 0.9, 0), [-0.6, -0.6], [1.4, 2], id="deep overlap over the edge"),
 ])
 def test_box_one_case_per_branch(pose, gaps, xs):
     """Stadium (0.5, 0.5) and the box |x| ≤ 2, |y| ≤ 1."""
