@@ -11,6 +11,15 @@ constexpr int    repairFraction = 50;
 constexpr int    bodiesPerPart = 256;
 constexpr int    mostCellsPerGrain = 4;
 
+/// Returns true if the shape has not changed. A segment moves and turns in the frame of its body;
+/// `displacement` contains this motion.
+static bool isSame(const PlanarShape& one, const PlanarShape& two)
+{
+	return one.kind == two.kind && one.axis == two.axis && one.sense == two.sense
+	        && one.halfWidth == two.halfWidth
+	        && (one.kind == PlanarShape::segment || one.halfLength == two.halfLength);
+}
+
 /// Largest displacement of a point of the surface of a body [m].
 double Neighbors::displacement(const Reference& at, const StepBody& body)
 {
@@ -65,8 +74,7 @@ bool Neighbors::findMovedBodies(const Step& step, ThreadTeam& team)
 		const StepBody& body = step.bodies[id];
 		const Reference& at   = reference_[id];
 		if (body.shape.kind == PlanarShape::none && at.shape.kind == PlanarShape::none) return;
-		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius()
-		        || body.shape.halfWidth != at.shape.halfWidth || body.shape.axis != at.shape.axis)
+		if (!isSame(at.shape, body.shape))
 			same.store(false, std::memory_order_relaxed);
 		else
 			isMoved_[id] = displacement(at, body) + body.alertDistance - at.alertDistance > margin_;

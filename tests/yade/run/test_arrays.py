@@ -16,6 +16,7 @@ from scenes import (G, box, build, calls, contact_forces, exchange, grain_on_flo
                     wait_until)
 from yade import O, utils
 from yade import wrapper as w
+from yade.minieigenHP import Quaternion
 
 STEPS = 600
 MOST_STEPS = 100  # steps in arrays before a step of engines updates YADE's objects
@@ -131,6 +132,62 @@ def test_same_bits_as_the_engines(scene):
     assert by_engines["array_steps"] == 0
     assert by_engines["engines"] == "ContactDynamics.arrays = False"
     assert in_arrays["array_steps"] > 0.8 * STEPS and len(expected[0]["contacts"]) > 30
+    assert found == expected
+
+
+def flying(obstacle):
+    """Rods that fly apart, and an obstacle that they do not meet at first."""
+    rng, rough = np.random.default_rng(5), material(0.5)
+    obstacle.material = rough
+    build(*(rcr.particle((0.15 * (k % 8), 0.15 * (k // 8)), R, 0.5, rng.uniform(0, 3), rough,
+                         velocity=rng.uniform(-1, 1, 2)) for k in range(40)),
+          obstacle, dt=1e-3, gravity=(0, 0, 0), **SOLVER)
+    insert(9, calls(change_obstacle, 100, firstIterRun=100, nDo=1))
+
+
+def change_obstacle():
+    for holder, values in zip((O.bodies[-1].shape, O.bodies[-1].state), CHANGE):
+        for name, value in values.items():
+            setattr(holder, name, value)
+
+
+def wall(axis, sense):
+    body = rcr.wall(axis, 3.0, sense)
+    body.state.pos = (3.0, 0.8, 0)
+    return body
+
+
+def tilted(angle):
+    return Quaternion((0, 0, 1), angle)
+
+
+CHANGE = []  # of the shape and the state of the obstacle
+FIELDS = {  # of PlanarShape: an obstacle, and a change of its shape and state
+    "kind": (lambda: utils.wall((0, 0.8, 5), 2, sense=-1), dict(axis=1)),
+    "axis": (lambda: wall("x", -1), dict(axis=1)),
+    "length of a box": (lambda: box((0.5, 1), (0.3, 0.1), math.pi / 2, material()),
+                        dict(extents=(0.45, 0.1, 1))),
+    "width of a box": (lambda: box((0.5, 1), (0.3, 0.1), 0, material()),
+                       dict(extents=(0.3, 0.25, 1))),
+    "length of a rod": (lambda: rcr.particle((0.5, 0.85), 0.2, 0.5, fixed=True),
+                        dict(halfLength=0.6)),
+    "width of a rod": (lambda: rcr.particle((0.5, 1.1), 0.2, 0.5, fixed=True),
+                       dict(capRadius=0.4)),
+    "radius of a disc": (lambda: rcr.disc((0.5, 1.1), 0.2, fixed=True), dict(radius=0.4)),
+    "place of a segment": (lambda: rcr.segment((0, 2), (1, 2)), {}, dict(pos=(0.5, 0.8, 0))),
+    "direction of a segment": (lambda: rcr.segment((0.5, 1), (0.5, 2)), {},
+                               dict(ori=tilted(math.pi / 2), pos=(0.5, 0.8, 0))),
+}
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("field", FIELDS)
+def test_a_changed_shape_renews_the_list_of_pairs(field):
+    make, *CHANGE[:] = FIELDS[field]
+    expected, _ = after(lambda: flying(make()), False, 400)
+    met = [row for row in expected[0]["contacts"] if 40 in row[:2]]
+    found, in_arrays = after(lambda: flying(make()), True, 400)
+    assert in_arrays["array_steps"] > 300 and met
     assert found == expected
 
 
