@@ -129,6 +129,17 @@ def test_report_counts_missed_tolerances_and_has_the_cost_of_the_tests(folders):
         "memory was 1.50 GiB.")
 
 
+@pytest.mark.parametrize("name", ["wall_seconds", "missed_fraction", "aspect_ratio"])
+def test_a_text_in_a_summary_is_refused_with_its_file_and_name(folders, tmp_path, name):
+    folder = shutil.copytree(folders[0], tmp_path / "run")
+    numbers = dict.fromkeys(("wall_seconds", "peak_memory_bytes", "missed_fraction", "missed_mean",
+                             "missed_max", "aspect_ratio", "sample_inertia"), 1.0)
+    (folder / "summary.json").write_text(json.dumps(numbers | {name: "much"}))
+    refused(f"run/summary.json: {name} = 'much'; expected a", report.write, [Run.read(folder)],
+            tmp_path / "out")
+    assert not list((tmp_path / "out").iterdir())
+
+
 def mark_yielded(folder, strains, out):
     """A copy of a run whose records at these strains have two steps without a solution."""
     shutil.copytree(folder, out)

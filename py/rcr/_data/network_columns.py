@@ -15,6 +15,7 @@ SHAPES = dict(
     contacts=dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,),
                   points=(), friction=()),
 )  # fmt: skip
+MOST = 10**8  # largest id; the analysis makes arrays by id
 INTEGERS = {"id", "body1", "body2", "type", "points", "clump"}
 
 
@@ -92,9 +93,10 @@ def _of_grains(p):
         *((name, p[name] > 0, "> 0") for name in ("R", "cap_radius", "mass")),
         ("half_length", p["half_length"] >= 0, "≥ 0"),
         ("R", abs(p["R"] - tips) <= 1e-6 * tips, "half_length + cap_radius"),
-        ("id", (p["id"] >= 0) & (count[row] == 1), "ids ≥ 0, each once"),
-        ("clump", ~np.isin(p["clump"], p["id"]) & (p["clump"] >= -1),
-         "−1, or an id that no particle has")]
+        ("id", (p["id"] >= 0) & (p["id"] <= MOST) & (count[row] == 1),
+         f"ids from 0 to {MOST:g}, each once"),
+        ("clump", ~np.isin(p["clump"], p["id"]) & (p["clump"] >= -1) & (p["clump"] <= MOST),
+         f"−1, or an id up to {MOST:g} that no particle has")]
 
 
 def _of_contacts(c, ids):

@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image  # Matplotlib brings it
 
 from rcr import __version__
-from rcr._data import files
+from rcr._data import checks, files
 from rcr.study import figures
 from rcr.study.analysis import analyse, jsonable
 from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED, findings
@@ -157,8 +157,15 @@ def cost(runs):
 
 def _of_summaries(runs, *names):
     """Return these numbers of each run whose summary has all of them, [(number, …)]."""
-    rows = [tuple((run.summary or {}).get(name) for name in names) for run in runs]
+    rows = [tuple(_of_summary(run, name) for name in names) for run in runs]
     return [row for row in rows if None not in row]
+
+
+def _of_summary(run, name):
+    """Return a number of a summary, None if it is missing."""
+    value = (run.summary or {}).get(name)
+    where = f"{run.folder / 'summary.json'}: {name}"
+    return None if value is None else checks.number(where, value)
 
 
 def unconverged_steps(runs):

@@ -18,12 +18,15 @@ def summarize(test, include_yielded=False):
     """Return the contents of `summary.json` of a `Biaxial`, {key: value}.
 
     Means are those of the records in the second half of the strain. Records with a step without a
-    solution are left out, unless `include_yielded` is set. docs/study/biaxial.md describes the
+    solution are left out, unless `include_yielded` is set. Contacts and overlaps are those of the
+    last record; `last_record_left_out` says that the means leave it out. docs/study/biaxial.md describes the
     keys.
     """
     parameters = {name: test.parameters[name] for name in ("eta", "particles", "seed")}
     means = _strength(test, include_yielded)
-    return parameters | means | _structure(test) | _geometry(test) | _work(test)
+    left_out = bool(test.rows) and test.rows[-1]["yielded_steps"] > 0 and not include_yielded
+    last = dict(last_record_left_out=left_out)
+    return parameters | means | last | _structure(test) | _geometry(test) | _work(test)
 
 
 def _strength(test, include_yielded):

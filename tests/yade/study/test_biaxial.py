@@ -333,6 +333,7 @@ def test_records_with_yielded_steps_are_left_out_of_means(packing):
     assert (marked["records_left_out"], marked["yielded_steps"]) == (1, 3)
     change, change_of_all = (abs(s["sin_phi"] - clean["sin_phi"]) for s in (marked, all_rows))
     assert change < 0.1 < change_of_all
+    assert [s["last_record_left_out"] for s in (clean, marked, all_rows)] == [False, True, False]
     assert all_rows["records_left_out"] == 0 and all_rows["records"] == marked["records"]
     for row in test.rows:
         row.update(yielded_steps=1)
