@@ -4,6 +4,7 @@
 // call would register all classes of YADE again. The list therefore holds only unregistered names
 // while Omega::loadPlugins runs.
 #include "dem/records/Published.hpp"
+#include "dem/records/StepEnd.hpp"
 #include "dem/validation/deferredError.hpp"
 #include "dem/validation/SceneView.hpp"
 
@@ -42,11 +43,28 @@ std::string versionError()
 
 yade::Scene& scene() { return *yade::Omega::instance().getScene(); }
 
-py::list advice()
+yade::StepEnd lastEnd; // of the last run, or after O.load
+
+/// Fingerprint of all masses, which functions of YADE may change.
+double totalMass()
 {
+	double sum = 0;
+	for (const auto& b : *scene().bodies)
+		if (b) sum += double(b->state->mass);
+	return sum;
+}
+
+py::list advice(const py::object& unionArea)
+{
+	const auto area = [&](const std::vector<yade::Body::id_t>& ids) -> double {
+		py::list members;
+		for (const yade::Body::id_t id : ids)
+			members.append(id);
+		return py::extract<double>(unionArea(members));
+	};
 	py::list warnings;
 	for (const std::string& text :
-	        { yade::validation::massWarning(scene()), yade::validation::overlapWarning(scene()),
+	        { yade::validation::massWarning(scene(), area), yade::validation::overlapWarning(scene()),
 	                yade::validation::dragWarning(scene()) })
 		if (!text.empty()) warnings.append(text);
 	return warnings;
@@ -100,7 +118,10 @@ BOOST_PYTHON_MODULE(_plugin)
 	yade::Published<double>::registerConverters();
 	registerClasses();
 	py::def(
-	        "prepare_run", +[] { return yade::validation::prepareRun(scene()); },
+	        "prepare_run", +[] {
+		        lastEnd = {}; // O.iter stays that of the record within the next step
+		        return yade::validation::prepareRun(scene());
+	        },
 	        "Prepare a run. Returns the error of an unsupported scene, with a remedy; else ''.");
 	py::def(
 	        "take_error", yade::takeError,
@@ -111,7 +132,16 @@ BOOST_PYTHON_MODULE(_plugin)
 	        "uses_rcr",
 	        +[] { return yade::validation::View(scene()).law != yade::validation::neither; },
 	        "True if the scene holds a law, ContactDynamics or Ip2 of rcr.");
-	py::def("advice", advice, "Warnings for suspicious scenes, a list of texts.");
+	py::def("advice", advice,
+	        "Warnings for suspicious scenes, a list of texts. `union_area(ids)`: area of the union\n"
+	        "of grains [m²].");
+	py::def("total_mass", totalMass, "Sum of the masses of all bodies, a fingerprint of them.");
+	py::def(
+	        "record_end", +[] { lastEnd.record(scene()); },
+	        "Record time step and velocities at the end of a step.");
+	py::def(
+	        "change_since_end", +[] { return lastEnd.change(scene()); },
+	        "What differs from the record of this step; empty: nothing, or no record.");
 	py::def(
 	        "planar_clump", planarClump,
 	        "Join bodies to a clump (ids, x, y, mass, inertia about z); returns its id.");

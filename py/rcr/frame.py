@@ -190,7 +190,8 @@ class Frame:
         if self.change:
             raise ValueError(
                 f"{self.change} in the last step, which gives the positions of its forces; take "
-                "networks, profiles and stresses before you change it, or after a further step")
+                "networks, profiles and stresses before you change it, or after a further step; in "
+                "an engine, after NewtonIntegrator")
 
     def stress_tensors(self):
         """Return the mean stress in each grain, (N, 2, 2), compression positive [Pa].

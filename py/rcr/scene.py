@@ -109,14 +109,22 @@ def clump(members, mass=None, inertia=None):
     if len({id(b) for b in members}) < len(members):
         raise ValueError("members holds a body twice; expected each body once")
     area, (x, y), polar_moment = _outlines.union(_outlines_of(members))
-    if mass is None:
-        mass = members[0].material.density * area
+    given, density = mass is not None, members[0].material.density
+    mass = mass if given else density * area
     mass = _number("mass", mass, "a finite mass > 0 [kg]", _positive)
     if inertia is None:
         inertia = mass / area * polar_moment
     inertia = _number("inertia", inertia, "a finite moment of inertia > 0 [kg m²]", _positive)
     ids = O.bodies.append(members)
-    return _plugin.planar_clump(ids, x, y, mass, inertia), ids
+    number = _plugin.planar_clump(ids, x, y, mass, inertia)
+    if given:
+        O.bodies[number].material = FrictMat(density=mass / area)  # that of its mass
+    return number, ids
+
+
+def union_area(ids):
+    """Return the area of the union of grains of the scene [m²]."""
+    return float(_outlines.union(_outlines_of([O.bodies[k] for k in ids]))[0])
 
 
 def wall(axis, position, sense=0, velocity=0, material=-1):

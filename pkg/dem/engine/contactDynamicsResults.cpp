@@ -2,7 +2,7 @@
 #include <array>
 
 #include "dem/engine/ContactDynamics.hpp"
-#include "dem/shapes/plane.hpp"
+#include "dem/records/StepEnd.hpp"
 
 namespace yade {
 
@@ -83,24 +83,8 @@ py::list ContactDynamics::visibleNames(const py::object& self)
 
 std::string ContactDynamics::changeSinceStep() const
 {
-	if (!validator_.isNextStep(*scene) || step_.bodies.size() != scene->bodies->size()) return {};
-	if (double(scene->dt) != step_.dt)
-		return "O.dt is " + validation::text(scene->dt) + ", but was "
-		        + validation::text(Real(step_.dt));
-	double smallest = std::numeric_limits<double>::infinity();
-	for (const rcr::StepBody& body : step_.bodies)
-		if (body.shape.grain()) smallest = std::min(smallest, body.radius);
-	for (const auto& b : *scene->bodies) {
-		if (!b || b->isClumpMember()) continue;
-		const rcr::StepBody& body = step_.bodies[b->getId()];
-		const rcr::Twist     change
-		        = plane::twistOf(*b->state) - step_.problem.velocity[b->getId()];
-		// a position correction may be as large
-		if (step_.dt * rcr::maxSpeed(change, body.radius) > 1e-4 * smallest)
-			return "the velocity of " + validation::bodyNames({ b->getId() })
-			        + " differs from that";
-	}
-	return {};
+	return validator_.hasSolved(*scene) ? changeSince(*scene, step_.dt, step_.problem.velocity)
+	                                    : std::string();
 }
 
 py::dict ContactDynamics::problemDict() const

@@ -140,26 +140,60 @@ std::string dragWarning(const Scene& scene)
 	return {};
 }
 
-/// Finds a Sphere with the mass of a ball among Rcrs, whose masses are per unit depth.
-std::string massWarning(const Scene& scene)
+/// Material that gives the mass of a body: of a clump its own, or that of its first member.
+static const Material* materialOf(const Body& b, const Scene& scene)
 {
-	bool        rcrs = false;
-	const Body* ball = nullptr;
-	for (const auto& b : *scene.bodies) {
-		if (!b || !b->shape || !b->material) continue;
-		rcrs = rcrs || dynamic_cast<const Rcr*>(b->shape.get());
-		const Sphere* sphere = b->state->blockedDOFs == State::DOF_ALL
-		        ? nullptr
-		        : dynamic_cast<const Sphere*>(b->shape.get());
-		if (!sphere) continue;
-		const Real mass = 4 * Mathr::PI / 3 * math::pow(sphere->radius, 3) * b->material->density;
-		if (math::abs(b->state->mass - mass) <= 1e-9 * mass && !ball) ball = b.get();
+	if (!b.isClump() || b.material) return b.material.get();
+	const auto& members = static_cast<const Clump&>(*b.shape).members;
+	return members.empty() ? nullptr : (*scene.bodies)[members.begin()->first]->material.get();
+}
+
+/// Mass of a free body by its area [kg per unit depth]. 0: unknown, or any mass is valid.
+static Real planarMass(const Body& b, const Scene& scene, const UnionArea& unionArea)
+{
+	const Material* material = materialOf(b, scene);
+	if (b.isClumpMember() || b.state->blockedDOFs == State::DOF_ALL || !b.shape || !material)
+		return 0;
+	if (b.isClump()) {
+		std::vector<Body::id_t> ids;
+		for (const auto& member : static_cast<const Clump&>(*b.shape).members)
+			if (isGrain(*(*scene.bodies)[member.first])) ids.push_back(member.first);
+		return material->density * unionArea(ids);
 	}
-	if (!rcrs || !ball) return {};
-	return bodyNames({ ball->getId() }) + " is a Sphere with the mass of a ball, "
-	        + text(ball->state->mass)
-	        + " kg, among Rcrs, whose masses are per unit depth; make it by rcr.disc(center, "
-	          "R), which sets the mass of a disc.";
+	const rcr::PlanarShape s = plane::shapeOf(*b.shape, *b.state, b.state->pos.z());
+	if (s.grain()) return material->density * rcr::area(rcr::Stadium { s.halfLength, s.halfWidth });
+	if (s.kind != rcr::PlanarShape::box) return 0;
+	const Real mass  = 4 * s.halfLength * s.halfWidth * material->density,
+	           block = 2 * static_cast<const Box&>(*b.shape).extents[2] * mass;
+	// a Box is an obstacle, whose mass a script may choose
+	return math::abs(b.state->mass - block) <= 1e-9 * block ? mass : 0;
+}
+
+std::string massWarning(const Scene& scene, const UnionArea& unionArea)
+{
+	constexpr double same = 1e-3; // relative difference that has no effect
+	if (View(scene).law == neither) return {};
+	const Body* first    = nullptr;
+	Real        expected = 0;
+	long        count    = 0;
+	for (const auto& b : *scene.bodies) {
+		const Real mass = b ? planarMass(*b, scene, unionArea) : Real(0);
+		if (mass == 0 || math::abs(b->state->mass - mass) <= same * mass || ++count > 1) continue;
+		first = b.get(), expected = mass;
+	}
+	if (!first) return {};
+	const std::string shape = first->shape->getClassName();
+	return bodyNames({ first->getId() }) + (shape == "Rcr" ? ", an " : ", a ") + shape
+	        + ", has the mass "
+	        + text(first->state->mass, 6) + ", and density × area is " + text(expected, 6)
+	        + " kg per unit depth"
+	        + (count > 1 ? " (further bodies that differ: " + std::to_string(count - 1) + ')' : "")
+	        + ". Its weight and motion follow the former: "
+	        + (shape == "Sphere"      ? "make it by rcr.disc, or change the density of its material."
+	                  : shape == "Box" ? "give utils.box the half width 0.5 along z."
+	                  : shape == "Rcr" ? "make it by rcr.particle, or change the density of its material."
+	                                   : "join new bodies by rcr.clump, since YADE's functions on "
+	                                     "clumps give or keep other masses.");
 }
 
 void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)

@@ -8,6 +8,8 @@
 // gather checks each body. Each message has the given value, the expected value and a remedy.
 #pragma once
 
+#include <functional>
+
 #include "kernel/geometry/planar_shape.hpp"
 #include "kernel/problem/refuse.hpp"
 #include "dem/contacts/CdPhys.hpp"
@@ -62,10 +64,13 @@ std::string prepareRun(Scene&);
 /// Message if rigid contacts have no active ContactDynamics; else empty.
 std::string missingSolver(const Scene&);
 
-/// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs;
+/// Area of the union of grains [m²].
+using UnionArea = std::function<double(const std::vector<Body::id_t>&)>;
+
+/// Warnings for suspicious scenes; empty: none. Free bodies whose mass is not that of their area;
 /// bodies that overlap by more than 1 % of R₁ + R₂ before their first step; a drag on Rcrs, which
 /// YADE's engines omit.
-std::string massWarning(const Scene&);
+std::string massWarning(const Scene&, const UnionArea&);
 std::string overlapWarning(const Scene&);
 std::string dragWarning(const Scene&);
 
@@ -90,6 +95,11 @@ public:
 	void    recordNextStep(const Scene&); // call it after a step of ContactDynamics
 	/// Returns true if the scene is at the end of the recorded step.
 	bool isNextStep(const Scene& scene) const { return scene.iter == nextStep_; }
+	/// Returns true also within the recorded step: in engines after ContactDynamics.
+	bool hasSolved(const Scene& scene) const
+	{
+		return isNextStep(scene) || scene.iter + 1 == nextStep_;
+	}
 
 private:
 	void checkLastStep(const View&);

@@ -8,6 +8,7 @@ from yade.wrapper import (
     Sphere, Wall,
 )  # fmt: skip
 
+from rcr import _plugin
 from rcr._data.network_columns import CAP_CAP, CAP_SIDE, SIDE_SIDE, rows as rows_of
 from rcr._pictures.outlines import areas
 
@@ -27,7 +28,8 @@ def read():
     O = Omega()
     grains, centers, z = _grains(O)
     walls, outlines = _obstacles(O, z)
-    change = "".join(e._change_since_step() for e in O.engines if isinstance(e, ContactDynamics))
+    solvers = (e for e in O.engines if isinstance(e, ContactDynamics))
+    change = _plugin.change_since_end() or "".join(e._change_since_step() for e in solvers)
     frame = dict(grains=grains, centers=centers, walls=walls, outlines=outlines, time=O.time,
                  change=change)
     cell = None

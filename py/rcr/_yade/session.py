@@ -14,22 +14,25 @@ import warnings
 from yade.wrapper import InsertionSortCollider, Omega, TimeStepper
 
 from rcr import _plugin
+from rcr import scene as _scene
 from rcr._yade.time_step import critical_time_step
 
 DEFAULT_TIME_STEP = 1e-8  # YADE's O.dt of a new scene [s]
-_advised = None  # number of bodies and time step at the last advice
+_advised = None  # number and mass of bodies, and time step at the last advice
 
 
 def guard():
-    """Add the checks to O.run, O.step, O.pause, O.wait and O.bodies.erase of this session."""
+    """Add the checks to methods of O and to O.bodies.erase of this session."""
     if hasattr(Omega.run, "__wrapped__"):  # an earlier import has added them
         return
     container = type(Omega().bodies)
     container.erase = _checked_erase(container.erase)
-    Omega.run = _guarded(_raising(_responsive(Omega.run)))
-    Omega.step = _guarded(_raising(Omega.step))
-    Omega.pause = _after_step(Omega.pause)
-    Omega.wait = _raising(_after_step(Omega.wait))
+    Omega.run = _guarded(_recorded(_raising(_responsive(Omega.run))))
+    Omega.step = _guarded(_recorded(_raising(Omega.step)))
+    Omega.pause = _recorded(_after_step(Omega.pause))
+    Omega.wait = _recorded(_raising(_after_step(Omega.wait)))
+    for name in ("load", "loadTmp", "reload"):
+        setattr(Omega, name, _recorded(getattr(Omega, name)))
 
 
 def _guarded(method):
@@ -49,12 +52,13 @@ def _guarded(method):
 def _advise(omega):
     """Warn of a suspicious scene: at step 0, and when bodies or the time step have changed."""
     global _advised
-    present, before = (len(omega.bodies), omega.dt), _advised
+    bodies = len(omega.bodies), _plugin.total_mass()
+    present, before = (bodies, omega.dt), _advised
     _advised = present
     if omega.iter > 0 and present == before:
         return
-    same_bodies = omega.iter > 0 and before and present[0] == before[0]
-    texts = [] if same_bodies else _plugin.advice()
+    same_bodies = omega.iter > 0 and before and bodies == before[0]
+    texts = [] if same_bodies else _plugin.advice(_scene.union_area)
     if _plugin.uses_rcr():
         texts += _time_step_advice(omega)
     for text in texts:
@@ -115,6 +119,20 @@ def _after_step(method):
         method(omega)
         if not isinstance(threading.current_thread(), threading._DummyThread):
             _plugin.await_end()
+
+    return wrapped
+
+
+def _recorded(method):
+    """Method of O that records the end of its last step, for `Frame.check_unchanged`."""
+
+    @functools.wraps(method)
+    def wrapped(omega, *arguments, **keywords):
+        try:
+            return method(omega, *arguments, **keywords)
+        finally:
+            if not omega.running:
+                _plugin.record_end()
 
     return wrapped
 

@@ -12,8 +12,8 @@ import yade.utils
 from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
 from rcr.network import OBSTACLE, OTHER
-from scenes import (G, box, build, heap, material, plane, pressed_box, python, refused, set_state,
-                    shrinking_cell, stadium, steps)
+from scenes import (G, LAWS, box, build, calls, heap, insert, material, plane, pressed_box, python,
+                    refused, set_state, shrinking_cell, springy, stadium, steps)
 from yade import O
 from yade import wrapper as w
 from yade.minieigenHP import Matrix3
@@ -127,7 +127,7 @@ SPHERES_ONLY = {
     "utils.fabricTensor()": NETWORK + "fabric()", "getStress(1)": NETWORK + "stress()",
     "utils.avgNumInteractions()": NETWORK + "coordination()",
     "utils.getSpheresMass()": NETWORK + "particles['mass']",
-    "utils.PWaveTimeStep()": "rcr.critical_time_step",
+    "utils.PWaveTimeStep()": "rcr.critical_time_step", "growParticles(1)": "rcr.particle",
 }  # fmt: skip
 
 
@@ -321,6 +321,73 @@ def test_stresses_need_the_state_after_the_step(change, says):
     O.step()
     for call in calls:
         call()
+
+
+def pair(law):
+    """A floor and two discs at rest on it, after a run."""
+    m = springy(young=1e9)
+    build(rcr.wall("y", 0, material=m), *(rcr.disc((x, 0.1), 0.1, m) for x in (0, 1)), law=law,
+          dt=1e-3 if law == "rigid" else 1e-5)
+    O.run(20, True)
+
+
+def reload(path):
+    O.save(str(path), quiet=True)
+    O.reset()
+    O.load(str(path), quiet=True)
+
+
+@LAWS
+@pytest.mark.parametrize("how", ["plain", "after an insertion", "after a reload"])
+@pytest.mark.parametrize("change, says", [
+    (lambda: setattr(O, "dt", 2 * O.dt), "O.dt is .*, but was .* in the last step"),
+    (lambda: set_state(2, vel=(0, 50, 0)), "the velocity of body #2 differs from that"),
+    (lambda: set_state(2, angVel=(0, 0, 500)), "the velocity of body #2 differs from that"),
+])
+def test_a_change_is_seen_under_any_law(law, how, change, says, tmp_path):
+    pair(law)
+    rcr.contact_network(volume=1)
+    if how == "after an insertion":
+        O.bodies.append(rcr.disc((5, 5), 0.1, material(), velocity=(9, 9)))
+    if how == "after a reload":
+        reload(tmp_path / "pair.yade")
+    branch = rcr.contact_network(volume=1).contacts["branch"]
+    assert branch == pytest.approx(np.array([(0, -0.1)] * 2), abs=1e-4)
+    change()
+    refused(says, rcr.contact_network, volume=1)
+    O.step()
+    rcr.contact_network(volume=1)
+
+
+SEEN = []
+
+
+def look():
+    """Append the branch vector of the first contact, or the message of a refusal."""
+    try:
+        branch = rcr.contact_network(volume=1).contacts["branch"]
+        SEEN.extend(tuple(vector) for vector in branch)
+    except ValueError as error:
+        SEEN.append(str(error))
+
+
+@pytest.mark.parametrize("place", ["before the integrator", "after the integrator"])
+def test_an_engine_before_the_integrator_gets_no_network(place):
+    """Two discs collide; before NewtonIntegrator they have neither moved nor changed velocity."""
+    build(*(rcr.disc((x, 0), 0.1, material(0), velocity=(v, 0)) for x, v in ((0, 1), (0.201, -1))),
+          gravity=(0, 0, 0), dt=1e-3)
+    engine = calls(look, 1, initRun=True)
+    if place == "before the integrator":
+        insert(-1, engine)
+    else:
+        O.engines = [*O.engines, engine]
+    SEEN.clear()
+    O.run(1, True)
+    (seen,) = SEEN
+    if place == "before the integrator":
+        assert "the velocity of body #0 differs" in seen and "after NewtonIntegrator" in seen
+    else:
+        assert seen == pytest.approx((0.201, 0), abs=1e-12)
 
 
 def test_a_clump_counts_as_one(resting):

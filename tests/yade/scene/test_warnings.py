@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import rcr
 from scenes import (KN, LAWS, build, gaps, grain_on_floor, insert, material, refused, resting,
-                    snapshot, solver, springs, stadium, steps)
+                    set_state, snapshot, solver, springs, springy, stadium, steps)
 from yade import O, utils
 from yade.wrapper import DragEngine, GlobalStiffnessTimeStepper, LinearDragEngine, PyRunner
 
@@ -59,16 +59,86 @@ def test_overlaps_of_images_warn():
     assert "bodies #0 and #1 overlap by 0.05 m, 0.25 of R₁ + R₂, before their first step. " in told
 
 
-def test_time_step_forgotten_and_ball_among_rcrs():
+def test_time_step_forgotten():
     for law in "rigid", "smooth":
         resting(law)
         O.dt = 1e-8
         assert any("O.dt = 1e-8 s is YADE's default; set it" in told for told in advised())
-    resting()
-    O.bodies.append(utils.sphere((0, 1, 0), 0.1, material=O.bodies[1].material))
-    O.bodies[2].state.blockedDOFs = "zXY"
+
+
+def planar(make, *arguments):
+    """Append a body of YADE that stays in the plane."""
+    body = make(*arguments, material=O.bodies[0].material)
+    body.state.blockedDOFs = "zXY"
+    O.bodies.append(body)
+
+
+def discs(*places):
+    O.bodies.append([rcr.disc(at, 0.1, O.bodies[0].material) for at in places])
+
+
+MASSES = {
+    "ball": ("#1, a Sphere, ", lambda: planar(utils.sphere, (0, 1, 0), 0.1)),
+    "ball among discs": ("#2, a Sphere, ", lambda: (
+        discs((0, 1)), planar(utils.sphere, (0, 2, 0), 0.1))),
+    "block": ("#1, a Box, ", lambda: planar(utils.box, (0, 1, 0), (0.3, 0.1, 0.1))),
+    "mass of a disc": ("#1, a Sphere, ", lambda: (discs((0, 1)), set_state(mass=5))),
+}
+
+
+@LAWS
+@pytest.mark.parametrize("case", MASSES)
+def test_a_mass_that_is_not_density_times_area_warns_once(law, case):
+    words, make = MASSES[case]
+    build(rcr.wall("y", 0, material=springy()), law=law, dt=1e-5)
+    assert advised() == []
+    make()
     (told,) = advised()
-    assert "#2 is a Sphere with the mass of a ball, " in told and "make it by rcr.disc" in told
+    assert f"body {words}has the mass " in told and "density × area is" in told
+    assert advised() == []
+
+
+@pytest.mark.parametrize("change", [
+    lambda clump, members: utils.growParticles(1.1),
+    lambda clump, members: O.bodies.erase(members[0]),
+    lambda clump, members: O.bodies.clump([5, 6]),
+    lambda clump, members: O.bodies.addToClump([5], clump),
+    lambda clump, members: O.bodies.releaseFromClump(members[0], clump),
+], ids=["growParticles", "erase", "clump", "addToClump", "releaseFromClump"])
+@pytest.mark.parametrize("mass", [None, 70])
+def test_functions_of_yade_that_change_or_keep_masses_warn(change, mass):
+    """A mass that rcr.clump was given is no reason."""
+    build(rcr.wall("y", 0, material=material()), dt=1e-5, gravity=(0, 0, 0))
+    row = [rcr.disc((0.1 * k, 1), 0.1, O.bodies[0].material) for k in range(3)]
+    clump, members = rcr.clump(row, mass=mass)
+    discs((0.41, 1), (0.62, 1))
+    assert advised() == []
+    change(clump, members)
+    # YADE turns clumps to principal axes; a clump out of the plane is refused before it warns
+    told = rcr._plugin.advice(rcr.scene.union_area)
+    assert sum("density × area is" in text for text in told) == 1
+
+
+def test_a_change_of_masses_warns_between_runs():
+    resting()
+    discs((3, 1))
+    assert advised() == []
+    utils.growParticles(1.01)
+    assert sum("#2, a Sphere, has the mass " in text for text in advised()) == 1
+    assert advised() == []
+
+
+def test_masses_that_may_be_chosen_do_not_warn():
+    """Of obstacles, of mobile walls and plates; blocks of 1 m depth have that per unit depth."""
+    m = material()
+    block = utils.box((0, 3, 0), (0.3, 0.1, 0.5), material=m)
+    plate = utils.box((0, 5, 0), (0.3, 0.1, 0.1), material=m)
+    plate.state.mass = 2.0
+    for body in block, plate:
+        body.state.blockedDOFs = "zXY"
+    build(block, plate, rcr.mobile_wall("x", 9, mass=7, material=m),
+          utils.sphere((0, 9, 0), 0.1, fixed=True, material=m), gravity=(0, 0, 0))
+    assert advised() == []
 
 
 @pytest.mark.parametrize("engine", [DragEngine, LinearDragEngine])
