@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import rcr
 from rcr import particle
-from scenes import build, kinetic, material, set_state, solver, steps, velocity, walls
+from scenes import (build, calls, insert, kinetic, material, set_state, solver, steps, velocity,
+                    walls)
 from yade import O
 
 R = 0.01
@@ -256,3 +257,26 @@ def test_a_pair_that_gains_a_point_within_a_step_is_gathered_again():
     # The problem holds every point of the pair: the forces on the brick are those of its contacts.
     assert solver().contactPoints == sum(i.geom.points for i in O.interactions)
     assert O.bodies[brick].state.pos[1] > 0 and np.isfinite(O.bodies[disc].state.vel[1])
+
+
+def carry_off():
+    """Put the rod below the disc that it touched, out of its reach; push it and a disc upwards."""
+    path = 0.08  # in the step
+    # detection reaches 1 % of both cap radii and 1.5 paths; a rounding more leaves no point
+    set_state(1, pos=(0, -(0.2 + 0.002 + 1.5 * path + 1e-5), 0))
+    for body, way in ((1, path), (3, -path)):
+        O.forces.addF(body, (0, O.bodies[body].state.mass * way / O.dt**2, 0))
+
+
+def test_a_contact_without_points_has_passed_nothing():
+    """A script moves a rod off its contact, while another contact, of the opposite normal, forms."""
+    grain = material(0)
+    build(rcr.disc((0, 0), 0.1, grain, fixed=True), rcr.particle((0.4, 0), 0.3, 2 / 3, 0, grain),
+          rcr.disc((3, 0), 0.1, grain, fixed=True), rcr.disc((3, 0.22), 0.1, grain),
+          gravity=(0, 0, 0))
+    O.step()
+    insert(3, calls(carry_off, 1, initRun=True))
+    O.step()
+    assert solver().contactPoints == 1 and O.bodies[3].state.pos[1] == pytest.approx(0.2)
+    assert O.bodies[1].state.pos[1] == pytest.approx(-0.242, abs=1e-4)
+    assert solver().converged
