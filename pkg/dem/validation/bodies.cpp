@@ -156,8 +156,10 @@ static Real planarMass(const Body& b, const Scene& scene, const UnionArea& union
 		return 0;
 	if (b.isClump()) {
 		std::vector<Body::id_t> ids;
-		for (const auto& member : static_cast<const Clump&>(*b.shape).members)
-			if (isGrain(*(*scene.bodies)[member.first])) ids.push_back(member.first);
+		for (const auto& member : static_cast<const Clump&>(*b.shape).members) {
+			if (!isGrain(*(*scene.bodies)[member.first])) return 0;
+			ids.push_back(member.first);
+		}
 		return material->density * unionArea(ids);
 	}
 	const rcr::PlanarShape s = plane::shapeOf(*b.shape, *b.state, b.state->pos.z());

@@ -139,6 +139,10 @@ def test_masses_that_may_be_chosen_do_not_warn():
     build(block, plate, rcr.mobile_wall("x", 9, mass=7, material=m),
           utils.sphere((0, 9, 0), 0.1, fixed=True, material=m), gravity=(0, 0, 0))
     assert advised() == []
+    pair = O.bodies.append([utils.box((0, 12, 0), (0.1, 0.1, 1), material=m),
+                            rcr.disc((0, 12.2), 0.1, m)])
+    rcr._plugin.planar_clump(pair, 0, 12.1, 50, 1)
+    assert advised() == []
 
 
 @pytest.mark.parametrize("engine", [DragEngine, LinearDragEngine])
