@@ -7,6 +7,8 @@ namespace rcr {
 IslandProblem::IslandProblem(const ContactProblem& whole, std::vector<std::int32_t> points)
         : points_(std::move(points))
 {
+	bodies_.reserve(2 * points_.size());
+	problem.points.reserve(points_.size());
 	for (std::int32_t k : points_)
 		bodies_.insert(bodies_.end(), { whole.points[k].body1, whole.points[k].body2 });
 	std::sort(bodies_.begin(), bodies_.end());

@@ -263,7 +263,7 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 
 /// Completes the islands that have not converged, or that may have no solution.
 static Report completeIslands(ContactProblem& problem, const std::string& solver,
-        const Settings& settings, const Report& swept, Workspace& workspace)
+        const Settings& settings, Report report, Workspace& workspace)
 {
 	std::vector<std::int32_t> begin, points;
 	workspace.packed().listPoints(begin, points);
@@ -271,7 +271,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		return problem.impulse[k].n > settings.yielding.yieldImpulse
 		        || closesBlocked(problem, problem.points[k], settings.roundingVelocity);
 	};
-	std::vector<Report> islands = swept.islands;
+	std::vector<Report> islands = std::move(report.islands);
 	bool                changed = false;
 	for (std::size_t number = 0; number < islands.size(); ++number) {
 		Report&    island = islands[number];
@@ -282,15 +282,17 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 			continue;
 		IslandProblem part(problem, { first, last });
 		Workspace     own;
-		island = complete(part.problem, solver, settings, island, own);
+		const int     swept = island.iterations;
+		island              = complete(part.problem, solver, settings, island, own);
+		if (island.iterations == swept) continue; // the impulses have not changed
 		part.store(problem);
 		changed = true;
 	}
-	Report report = swept;
-	if (!changed) return report;
-	const Errors errors   = errorsOf(problem, settings.velocityFloor);
-	report.residual       = errors.residual;
-	report.kinematicError = errors.kinematicError;
+	if (changed) {
+		const Errors errors   = errorsOf(problem, settings.velocityFloor);
+		report.residual       = errors.residual;
+		report.kinematicError = errors.kinematicError;
+	}
 	report.combine(std::move(islands));
 	return report;
 }
@@ -300,10 +302,9 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 {
 	if (!settings.sameProblem) checkProblem(problem, workspace.team()); // bad input before settings
 	checkSettings(solver, settings);
-	const Report swept = sweepTogether(problem, solver, settings, workspace);
-	return swept.islands.size() > 1
-	               ? completeIslands(problem, solver, settings, swept, workspace)
-	               : complete(problem, solver, settings, swept, workspace);
+	Report swept = sweepTogether(problem, solver, settings, workspace);
+	if (swept.islands.size() <= 1) return complete(problem, solver, settings, swept, workspace);
+	return completeIslands(problem, solver, settings, std::move(swept), workspace);
 }
 
 } // namespace rcr

@@ -82,6 +82,7 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 	});
 	Sums                whole;
 	std::vector<Report> islands;
+	islands.reserve(sums.size());
 	for (std::size_t k = 0; k < sums.size(); ++k) {
 		sums[k].change2 = ends[k].change2;
 		islands.push_back(sums[k].report(settings));
