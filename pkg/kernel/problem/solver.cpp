@@ -183,18 +183,16 @@ static Report solveRigid(ContactProblem& problem, const std::string& solver,
         const Settings& settings, const Report& swept, Workspace& workspace)
 {
 	const bool exact = solver == "exact" || (solver == "auto" && settings.tolerance > 0);
-	if (swept.converged || !exact || problem.stretches() || yieldsAgain(settings))
-		return swept;
+	if (swept.converged || !exact || problem.stretches() || yieldsAgain(settings)) return swept;
 	Settings steps = settings;
 	steps.maxIterations -= swept.iterations;
-	if (steps.maxIterations <= 0) return swept;
-	if (mustYield(swept, problem, settings, workspace)) {
+	if (steps.maxIterations > 0 && mustYield(swept, problem, settings, workspace)) {
 		Report report  = swept; // exact steps would take long and find no solution
 		report.yielded = true;
 		return report;
 	}
 	if (solver == "exact" || isFine(problem, settings))
-		return solveExact(problem, steps, swept, workspace);
+		return steps.maxIterations > 0 ? solveExact(problem, steps, swept, workspace) : swept;
 	return continueAuto(problem, settings, swept, workspace);
 }
 

@@ -113,13 +113,15 @@ def test_islands_alone_and_together_get_the_same_impulses(solver):
         np.testing.assert_array_equal(own["impulse"], alone, problem.name)
 
 
-def test_kinematic_error_refers_to_the_given_floor():
-    """A small problem is solved with a finer floor."""
-    problem = pile(1).cold()
-    found = problem.solve("auto")
+@pytest.mark.parametrize("iterations", [*range(10, 310, 20), 1000])
+def test_kinematic_error_refers_to_the_given_floor(iterations):
+    """`auto` solves a small problem with a finer floor, which this one misses after 30 sweeps."""
+    problem = jammed_box(1, 6)
+    found = problem.solve("auto", max_iterations=iterations)
     problem["impulse"] = found["impulse"]
     expected = _kernel.kinematic_error(0.01, **problem)
     assert found["kinematic_error"] == pytest.approx(expected, rel=1e-6)
+    assert found["converged"] == (found["residual"] <= 1e-4 and expected <= 0.01)
 
 
 def pressed_pivot(lever):
