@@ -20,6 +20,11 @@ namespace {
 		const auto twists = rowsFrom<Twist>(before, "before", step.bodies.size());
 		for (std::size_t id = 0; id < twists.size(); ++id)
 			step.bodies[id].velocity = twists[id];
+		for (const ContactPoint& c : step.problem.points) {
+			double &radius1 = step.bodies[c.body1].radius, &radius2 = step.bodies[c.body2].radius;
+			radius1         = std::max(radius1, norm(c.arm1));
+			radius2         = std::max(radius2, norm(c.arm2));
+		}
 		ThreadTeam alone;
 		const auto [driveSpeed, yielding] = yieldBoundsOf(step, alone);
 		return py::make_tuple(driveSpeed, yielding.compliance, yielding.yieldImpulse);
@@ -131,7 +136,7 @@ void bindInternals(py::module_& m)
 	        "Residual [-] of a problem; arrays as in `solve`.");
 	m.def("yield_bounds", yieldBoundsFrom, "before"_a,
 	        "(drive speed, compliance, yield impulse) of a problem, for previous velocities of the\n"
-	        "bodies; arrays as in `solve`.");
+	        "bodies; arrays as in `solve`. The radius of a body is the longest of its arms.");
 	m.def(
 	        "kinematic_error",
 	        [](double velocityFloor, const py::kwargs& arrays) {

@@ -42,7 +42,9 @@ TABLE = {
         ("without-de-saxce", "(u.n + friction * std::abs(u.t)) / wnn", "u.n / wnn"),
         ("sticks-beyond-the-cone", "::abs(t) <= friction * n", "::abs(t) <= 1.001 * friction * n"),
         ("slides-along-the-slip", "> 0 ? -friction : friction", "> 0 ? friction : -friction"),
-        ("no-painleve", "w.nn + opposing * w.nt > 0 ? opposing : -opposing", "opposing"),
+        ("no-painleve", "* w.nn ? opposing : -opposing;", "* w.nn ? opposing : opposing;"),
+        ("rounding-sticks", "schur > roundingShare * w.tt", "schur > 0"),
+        ("rounding-responds", "if (w.nn <= negligibleLever", "if (w.nn < 0 * negligibleLever"),
         ("uncoupled-normal", "n = -(gn + w.nt * t) / w.nn", "n = -gn / w.nn"),
         ("projection-without-polar", "if (friction * t <= -p.n) return {", "if (p.n < 0) return {"),
         ("projection-off-the-cone", "(1 + friction * friction)", "(1 + friction)"),
@@ -58,6 +60,7 @@ TABLE = {
         ("kinematic-error-ignored", " && error <= kinematicTolerance;", ";"),
     ],
     "problem/solver.cpp": [
+        ("islands-judged-together", "swept.islands.size() <= 1", "true"),
         ("keeps-positive-cost", "rigid.converged || !hasPositiveCost(problem)", "true"),
         ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
         ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),

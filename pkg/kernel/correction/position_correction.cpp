@@ -4,8 +4,17 @@
 
 namespace rcr {
 
-constexpr double largestShift = 1e-4; // over the radius of a grain
+constexpr double largestShift = 1e-4; // over the radius of a body; of a wall, see wallLength
 constexpr int    sweeps       = 10;
+
+/// Half the smallest R₁ + R₂ of the contacts [m]. It replaces the radius of walls, which is 0.
+static double wallLength(const Step& step)
+{
+	double smallest = std::numeric_limits<double>::infinity();
+	for (const StepContact& c : step.contacts)
+		smallest = std::min(smallest, c.size);
+	return 0.5 * smallest;
+}
 
 /// Bias ≤ 0 with which a point removes the fraction β of its overlap beyond the slop [m/s].
 static double recoveryBias(const Step& step, std::size_t k, double beta)
@@ -34,12 +43,13 @@ void computeCorrection(Step& step, double beta, Workspace& workspace)
 		bias[k]          = recovery < 0 ? std::min(law, recovery) : law;
 	});
 	sweepWithBias(problem, bias, sweeps, step.displacement, step.strain, workspace);
+	const double wall = wallLength(step);
 	// displacement over the radius
 	const double farthest = team.maximum(step.bodies.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
 		Twist&          d    = step.displacement[id];
 		d                    = body.free ? step.dt * (d - problem.velocity[id]) : Twist {};
-		return body.free && body.radius > 0 ? maxSpeed(d, body.radius) / body.radius : 0;
+		return maxSpeed(d, body.radius) / (body.radius > 0 ? body.radius : wall);
 	});
 	const double share = std::min(1.0, largestShift / farthest);
 	team.forEach(step.bodies.size(), [&](std::size_t id) {

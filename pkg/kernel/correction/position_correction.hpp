@@ -6,8 +6,8 @@
 // the next step would close with an impact.
 //
 // Only the overlap beyond the slop counts. In a marginal packing, a contact opens only if other
-// bodies move far and then overlap again. The largest displacement is therefore bounded, and all
-// displacements are scaled by the same factor. A cell that stretches is displaced with its bodies.
+// bodies move far and then overlap again. The largest displacement of bodies and walls is therefore
+// bounded, and all displacements are scaled by the same factor. A cell that stretches is displaced with its bodies.
 // Source: Jourdan, Alart and Jean 1998.
 #pragma once
 

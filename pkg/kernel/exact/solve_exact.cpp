@@ -58,21 +58,6 @@ namespace {
 		return solveNesterov(problem, sweeps, workspace);
 	}
 
-	/// Sweeps to `sweptResidual`. Starts again from zero if the squares of the impulses overflow.
-	Report begin(ContactProblem& problem, const Settings& settings, Workspace& workspace)
-	{
-		const double tolerance = std::max(settings.tolerance, sweptResidual);
-		const auto   most      = [](int left) { return std::min(maxSweeps, (left + 1) / 2); };
-		const Report report    = sweep(
-		           problem, settings, tolerance, most(settings.maxIterations), workspace);
-		const int left = settings.maxIterations - report.iterations;
-		if (!std::isnan(report.residual) || left == 0) return report;
-		problem.impulse.assign(problem.points.size(), {});
-		Settings cold    = settings;
-		cold.sameProblem = false;
-		return sweep(problem, cold, tolerance, most(left), workspace).after(report);
-	}
-
 	/// One proximal step about the present impulses.
 	PathEnd step(ContactProblem& problem, ProximalProblem& proximal,
 	        std::vector<ProximalParameter>& rho, int maxIterations)
@@ -93,30 +78,42 @@ namespace {
 
 } // namespace
 
-Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace,
-        const Report* swept)
+Report sweepForExactSteps(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+{
+	const double tolerance = std::max(settings.tolerance, sweptResidual);
+	const auto   most      = [](int left) { return std::min(maxSweeps, (left + 1) / 2); };
+	Report       report    = sweep(
+	        problem, settings, tolerance, most(settings.maxIterations), workspace);
+	const int left = settings.maxIterations - report.iterations;
+	if (std::isnan(report.residual) && left > 0) { // the squares of the impulses overflow
+		problem.impulse.assign(problem.points.size(), {});
+		Settings cold    = settings;
+		cold.sameProblem = false;
+		report           = sweep(problem, cold, tolerance, most(left), workspace).after(report);
+	}
+	report.converged = true;
+	for (Report& island : report.islands) {
+		island.converged = island.meetsTolerances(settings);
+		report.converged = report.converged && island.converged;
+	}
+	return report;
+}
+
+Report solveExact(ContactProblem& problem, const Settings& settings, const Report& swept,
+        Workspace& workspace)
 {
 	std::vector<Impulse> before; // impulses before the last sweeps or step, to detect divergence
 	const auto           remember = [&] {
         if (settings.yielding.compliance > 0) before = problem.impulse;
 	};
-	const auto hasNoSolution = [&] {
-		return settings.yielding.compliance > 0
+	Report     report   = swept;
+	const auto mustYield = [&] {
+		report.yielded = settings.yielding.compliance > 0
 		        && (exceedsEnergyBound(problem) || isDivergent(problem, before));
+		return report.yielded;
 	};
-	remember();
-	Report report;
-	if (swept) {
-		report                = *swept;
-		report.kinematicError = errorsOf(problem, settings.velocityFloor).kinematicError;
-		report.iterations = 0, report.work = 0;
-	} else {
-		report           = begin(problem, settings, workspace);
-		report.converged = report.meetsTolerances(settings);
-		if (report.converged || report.iterations >= settings.maxIterations) return report;
-		report.yielded = hasNoSolution();
-		if (report.yielded) return report;
-	}
+	report.kinematicError = errorsOf(problem, settings.velocityFloor).kinematicError;
+	report.iterations = 0, report.work = 0;
 	ProximalProblem                proximal(problem);
 	std::vector<ProximalParameter> rho(proximal.size());
 	Best       best { { report.residual, report.kinematicError }, problem.impulse };
@@ -125,8 +122,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 		remember();
 		const PathEnd end = step(problem, proximal, rho, left() / settings.exactCost);
 		report.iterations += settings.exactCost * (1 + end.pivots);
-		report.yielded = hasNoSolution();
-		if (report.yielded) return report;
+		if (mustYield()) return report.after(swept);
 		best.offer({ errorsOf(problem, settings.velocityFloor), problem.impulse }, settings);
 		if (!end.complete && left() > 0) {
 			const int most    = std::min(repairSweeps + pivotSweeps * end.pivots, left());
@@ -134,8 +130,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 			again.sameProblem = true;
 			remember();
 			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
-			report.yielded = hasNoSolution();
-			if (report.yielded) return report;
+			if (mustYield()) return report.after(swept);
 		}
 	}
 	problem.impulse = best.impulse;
@@ -145,9 +140,8 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	report.kinematicError = errors.kinematicError;
 	report.dissipated     = dissipatedEnergy(problem);
 	report.impulseGrowth  = std::numeric_limits<double>::infinity(); // unknown after exact steps
-	report.converged      = errors.residual <= settings.tolerance
-	        && errors.kinematicError <= settings.kinematicTolerance;
-	return report;
+	report.converged      = report.meetsTolerances(settings);
+	return report.after(swept);
 }
 
 } // namespace rcr

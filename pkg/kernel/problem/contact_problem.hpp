@@ -42,6 +42,8 @@ struct InverseMass {
 
 	/// Returns true if no impulse changes the motion of the body.
 	bool prescribed() const { return x == 0 && y == 0 && rotation == 0; }
+	/// Returns true if the body can move along an axis. A pivot can only turn.
+	bool translates() const { return x > 0 || y > 0; }
 };
 
 /// Components (x, y, rotation) of a velocity, displacement, impulse or force of a body.

@@ -24,16 +24,25 @@ struct Delassus {
 	double nn = 0, nt = 0, tt = 0;
 };
 
-/// J M⁻¹ Jᵀ of one point [1/kg].
+/// Components of directions and levers below this share of their length are rounding errors [-].
+constexpr double negligibleLever = 1e-10;
+constexpr double roundingShare   = 1e-12; // of a difference of responses over its largest term [-]
+
+/// J M⁻¹ Jᵀ of one point [1/kg]. w_nn and w_nt are 0 if w_nn is a rounding error: the normal
+/// direction is blocked.
 inline Delassus delassus(const ContactPoint& c, const InverseMass& m1, const InverseMass& m2)
 {
 	const Vec2   n = c.normal, t = perp(c.normal);
 	const double n1 = cross(c.arm1, n), t1 = cross(c.arm1, t), n2 = cross(c.arm2, n),
 	             t2 = cross(c.arm2, t);
 	const double x = m1.x + m2.x, y = m1.y + m2.y;
-	return { x * n.x * n.x + y * n.y * n.y + m1.rotation * n1 * n1 + m2.rotation * n2 * n2,
-		     x * n.x * t.x + y * n.y * t.y + m1.rotation * n1 * t1 + m2.rotation * n2 * t2,
-		     x * t.x * t.x + y * t.y * t.y + m1.rotation * t1 * t1 + m2.rotation * t2 * t2 };
+	Delassus     w {
+        x * n.x * n.x + y * n.y * n.y + m1.rotation * n1 * n1 + m2.rotation * n2 * n2,
+        x * n.x * t.x + y * n.y * t.y + m1.rotation * n1 * t1 + m2.rotation * n2 * t2,
+        x * t.x * t.x + y * t.y * t.y + m1.rotation * t1 * t1 + m2.rotation * t2 * t2
+	};
+	if (w.nn <= negligibleLever * negligibleLever * w.tt) w.nn = w.nt = 0;
+	return w;
 }
 
 /// J M⁻¹ Jᵀ of one point, including the stretch of the cell, which also moves the image of body 2.
@@ -52,14 +61,15 @@ inline Impulse solveCoulomb(const Delassus& w, double gn, double gt, double fric
 	if (gn >= 0) return {};
 	const double slip = gt - w.nt * gn / w.nn; // tangential velocity without friction
 	if (friction <= 0 || slip == 0) return { -gn / w.nn, 0 };
-	const double schur = w.tt - w.nt * w.nt / w.nn; // 0 for a wall that moves along n only
-	if (schur > 0) {
+	// 0 if the bodies can move in one way only: a wall along one axis, or a pivot
+	const double schur = w.tt - w.nt * w.nt / w.nn;
+	if (schur > roundingShare * w.tt) {
 		const double t = -slip / schur, n = -(gn + w.nt * t) / w.nn;
 		if (std::abs(t) <= friction * n) return { n, t };
 	}
 	const double opposing = slip > 0 ? -friction : friction;
 	// p_t/p_n; Painlevé: sliding against the slip is inconsistent
-	const double ratio = w.nn + opposing * w.nt > 0 ? opposing : -opposing;
+	const double ratio = w.nn + opposing * w.nt > roundingShare * w.nn ? opposing : -opposing;
 	const double n     = -gn / (w.nn + ratio * w.nt);
 	return { n, ratio * n };
 }

@@ -38,9 +38,9 @@ bool hasPositiveCost(const ContactProblem&);
 /// detects steps without a solution whose impulses are so large that their relative error is small.
 bool exceedsEnergyBound(const ContactProblem&);
 
-/// Heuristic filter before exceedsEnergyBound: one pass over the bodies. It uses the masses of all
-/// bodies and the RMS |u_free| of all points. So it may overlook a wedge in a large scene.
-bool mayExceedEnergyBound(const ContactProblem&, double energy, double freeSpeed);
+/// Heuristic filter before exceedsEnergyBound. It uses the mass of all bodies of an island and the
+/// RMS |u_free| of its points. So it may overlook a wedge in a large island.
+bool mayExceedEnergyBound(double energy, double mass, double freeSpeed);
 
 constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
 constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise

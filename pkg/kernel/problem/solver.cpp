@@ -1,8 +1,10 @@
 #include "problem/solver.hpp"
 
 #include "problem/infeasibility.hpp"
+#include "problem/island_problem.hpp"
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
+#include "sweep/packed_problem.hpp"
 
 namespace rcr {
 
@@ -33,26 +35,31 @@ static int patience(std::size_t points)
 	return std::max(leastPatience, int(exactIterations * sweepsPerExact * size));
 }
 
-static bool exceedsYieldImpulse(const ContactProblem& problem, const Settings& settings)
-{
-	const auto exceeds = [&](const Impulse& p) { return p.n > settings.yielding.yieldImpulse; };
-	return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
-}
-
 /// Returns true if a prescribed motion closes a contact and also blocks its normal direction.
 /// No impulse can open such a contact.
-static bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
+static bool closesBlocked(
+        const ContactProblem& problem, const ContactPoint& c, double roundingVelocity)
 {
 	const auto translates = [&](int body) {
 		return problem.inverseMass[body].x > 0 && problem.inverseMass[body].y > 0;
 	};
-	return std::any_of(
-	        problem.points.begin(), problem.points.end(), [&](const ContactPoint& c) {
-		        return !translates(c.body1) && !translates(c.body2)
-		                && delassus(problem, c).nn <= 0
-		                && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
-		                && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;
-	        });
+	return !translates(c.body1) && !translates(c.body2) && delassus(problem, c).nn <= 0
+	        && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
+	        && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;
+}
+
+static bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
+{
+	const auto closes = [&](const ContactPoint& c) {
+		return closesBlocked(problem, c, roundingVelocity);
+	};
+	return std::any_of(problem.points.begin(), problem.points.end(), closes);
+}
+
+static bool exceedsYieldImpulse(const ContactProblem& problem, const Settings& settings)
+{
+	const auto exceeds = [&](const Impulse& p) { return p.n > settings.yielding.yieldImpulse; };
+	return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
 }
 
 /// Runs probeSweeps sweeps on a copy of the problem that the workspace holds. Returns true if the
@@ -77,7 +84,7 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 	if (settings.yielding.compliance == 0) return false;
 	if (report.yielded || exceedsYieldImpulse(problem, settings)
 	        || closesBlockedContact(problem, settings.roundingVelocity)
-	        || (mayExceedEnergyBound(problem, report.dissipated, report.freeSpeed)
+	        || (mayExceedEnergyBound(report.dissipated, report.mass, report.freeSpeed)
 	                && exceedsEnergyBound(problem)))
 		return true;
 	if (report.converged || settings.tolerance == 0) return false;
@@ -87,23 +94,61 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 	        && probeDivergence(problem, settings, workspace);
 }
 
-static Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
+/// Returns true if an earlier pass of the step yielded: contacts yield unless a few sweeps suffice.
+static bool yieldsAgain(const Settings& settings)
 {
-	const bool   small = settings.tolerance > 0 && int(problem.points.size()) <= smallProblem;
-	const double floor = settings.velocityFloor;
-	const int    most  = settings.maxIterations;
-	if (small) settings.velocityFloor *= smallProblemFloorFactor;
-	if (settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem))
-		return solveExact(problem, settings, workspace);
-	Settings sweeps    = settings;
+	return settings.yieldedBefore && settings.yielding.compliance > 0;
+}
+
+static bool isSmall(const ContactProblem& problem)
+{
+	return int(problem.points.size()) <= smallProblem;
+}
+
+/// Returns true if `auto` runs exact steps as `exact` does.
+static bool isFine(const ContactProblem& problem, const Settings& settings)
+{
+	return settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem);
+}
+
+/// Sweeps of all islands together, the first stage of every solver.
+static Report sweepTogether(ContactProblem& problem, const std::string& solver,
+        const Settings& settings, Workspace& workspace)
+{
+	Settings sweeps = settings;
+	if (yieldsAgain(settings)) {
+		sweeps.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
+		return solveNesterov(problem, sweeps, workspace);
+	}
+	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
+	if (solver == "sor") return solveSor(problem, settings, workspace);
+	if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
+		return solveNesterov(problem, settings, workspace);
+	if (solver == "exact" || isFine(problem, settings))
+		return sweepForExactSteps(problem, settings, workspace);
 	sweeps.stallSweeps = patience(problem.points.size());
-	if (small) sweeps.maxIterations = std::min(leastPatience, most);
-	Report report = solveNesterov(problem, sweeps, workspace);
-	if (report.converged || settings.tolerance == 0) return report;
-	const auto left      = [&] { return most - report.iterations; };
-	const auto converged = [&] {
-		return report.meetsResidual(settings)
-		        && errorsOf(problem, floor).kinematicError <= settings.kinematicTolerance;
+	if (settings.tolerance == 0 || !isSmall(problem))
+		return solveNesterov(problem, sweeps, workspace);
+	sweeps.velocityFloor *= smallProblemFloorFactor;
+	sweeps.maxIterations = std::min(leastPatience, settings.maxIterations);
+	Report report        = solveNesterov(problem, sweeps, workspace);
+	if (report.kinematicError > 0)
+		report.kinematicError = errorsOf(problem, settings.velocityFloor).kinematicError;
+	return report;
+}
+
+/// `auto` after its sweeps, which have not converged.
+static Report continueAuto(ContactProblem& problem, const Settings& settings, const Report& swept,
+        Workspace& workspace)
+{
+	const bool   small = isSmall(problem);
+	const double floor = settings.velocityFloor,
+	             fine  = small ? floor * smallProblemFloorFactor : floor;
+	Report       report    = swept;
+	const auto   left      = [&] { return settings.maxIterations - report.iterations; };
+	const auto   converged = [&] {
+        return report.meetsResidual(settings)
+                && errorsOf(problem, floor).kinematicError <= settings.kinematicTolerance;
 	};
 	const auto runExact = [&](int iterations, double velocityFloor, int cost) {
 		Settings steps      = settings;
@@ -111,48 +156,44 @@ static Report solveAuto(ContactProblem& problem, Settings settings, Workspace& w
 		steps.velocityFloor = velocityFloor;
 		steps.maxIterations = iterations;
 		steps.exactCost     = cost;
-		report              = solveExact(problem, steps, workspace, &report).after(report);
+		report              = solveExact(problem, steps, report, workspace);
 	};
-	if (left() > 0) {
-		report.yielded = mustYield(report, problem, settings, workspace);
-		if (report.yielded) return report; // exact steps would take long and find no solution
-	}
 	const int  cost           = small ? sweepsPerExact : 1;
 	const bool residualMet    = small && report.meetsResidual(settings);
 	int        fineIterations = left();
 	if (residualMet) { // limits the work of exact steps, which improve the velocities only
 		fineIterations = std::min(left(), maxFineWork / int(problem.points.size()));
 		if (left() > fineIterations && !converged()) {
+			Settings sweeps      = settings;
 			sweeps.sameProblem   = true;
-			sweeps.velocityFloor = floor;
+			sweeps.stallSweeps   = patience(problem.points.size());
 			sweeps.maxIterations = left() - fineIterations;
 			report               = solveNesterov(problem, sweeps, workspace).after(report);
 		}
 	}
-	if (fineIterations > 0)
-		runExact(fineIterations, settings.velocityFloor, residualMet ? 1 : cost);
+	if (fineIterations > 0) runExact(fineIterations, fine, residualMet ? 1 : cost);
 	if (small && !report.yielded && left() > 0 && !converged()) runExact(left(), floor, cost);
-	if (small) report.kinematicError = errorsOf(problem, floor).kinematicError;
-	report.converged = report.converged || report.meetsTolerances(settings);
+	report.kinematicError = errorsOf(problem, floor).kinematicError;
+	report.converged      = report.converged || report.meetsTolerances(settings);
 	return report;
 }
 
-/// Solves with rigid contacts. The report has `yielded` if it found that no rigid solution
-/// exists.
+/// The exact steps of `exact` and `auto`, if sweeps have not converged.
 static Report solveRigid(ContactProblem& problem, const std::string& solver,
-        const Settings& settings, Workspace& workspace)
+        const Settings& settings, const Report& swept, Workspace& workspace)
 {
-	if (settings.yieldedBefore && settings.yielding.compliance > 0) {
-		Settings few      = settings;
-		few.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
-		return solveNesterov(problem, few, workspace);
+	const bool exact = solver == "exact" || (solver == "auto" && settings.tolerance > 0);
+	if (swept.converged || !exact || problem.stretches() || yieldsAgain(settings)) return swept;
+	Settings steps = settings;
+	steps.maxIterations -= swept.iterations;
+	if (steps.maxIterations > 0 && mustYield(swept, problem, settings, workspace)) {
+		Report report  = swept; // exact steps would take long and find no solution
+		report.yielded = true;
+		return report;
 	}
-	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
-	if (solver == "sor") return solveSor(problem, settings, workspace);
-	if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
-		return solveNesterov(problem, settings, workspace);
-	if (solver == "exact") return solveExact(problem, settings, workspace);
-	return solveAuto(problem, settings, workspace);
+	if (solver == "exact" || isFine(problem, settings))
+		return steps.maxIterations > 0 ? solveExact(problem, steps, swept, workspace) : swept;
+	return continueAuto(problem, settings, swept, workspace);
 }
 
 /// Sweeps from zero impulses. Without friction, every sweep lowers the cost.
@@ -200,14 +241,13 @@ void checkSettings(const std::string& solver, const Settings& s)
 		       ": give a finite change ≥ 0; 0 disables the criterion");
 }
 
-Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings,
-        Workspace& workspace)
+/// Completes the solution of an island, or of a problem with one island, after its sweeps.
+static Report complete(ContactProblem& problem, const std::string& solver, const Settings& settings,
+        const Report& swept, Workspace& workspace)
 {
-	if (!settings.sameProblem) checkProblem(problem, workspace.team()); // bad input before settings
-	checkSettings(solver, settings);
-	Report rigid = solveRigid(problem, solver, settings, workspace);
+	Report rigid = solveRigid(problem, solver, settings, swept, workspace);
 	if (mustYield(rigid, problem, settings, workspace))
-		return solveYielding(problem, settings, rigid, workspace).after(rigid);
+		return solveYielding(problem, settings, workspace).after(rigid);
 	// mustYield has tested contacts that may yield
 	const bool mayHaveNoSolution = settings.yielding.compliance == 0 && rigid.converged;
 	if (mayHaveNoSolution // the residual omits a blocked contact, and impulses that grow lower it
@@ -217,6 +257,52 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 		rigid.converged = false;
 	if (rigid.converged || !hasPositiveCost(problem)) return rigid;
 	return solveFromZero(problem, settings, workspace).after(rigid);
+}
+
+/// Completes the islands that have not converged, or that may have no solution.
+static Report completeIslands(ContactProblem& problem, const std::string& solver,
+        const Settings& settings, Report report, Workspace& workspace)
+{
+	std::vector<std::int32_t> begin, points;
+	workspace.packed().listPoints(begin, points);
+	const auto mayYield = [&](std::int32_t k) {
+		return problem.impulse[k].n > settings.yielding.yieldImpulse
+		        || closesBlocked(problem, problem.points[k], settings.roundingVelocity);
+	};
+	std::vector<Report> islands = std::move(report.islands);
+	bool                changed = false;
+	for (std::size_t number = 0; number < islands.size(); ++number) {
+		Report&    island = islands[number];
+		const auto first = points.begin() + begin[number], last = points.begin() + begin[number + 1];
+		if (island.converged
+		        && !mayExceedEnergyBound(island.dissipated, island.mass, island.freeSpeed)
+		        && std::none_of(first, last, mayYield))
+			continue;
+		IslandProblem part(problem, { first, last });
+		Workspace     own;
+		const int     swept = island.iterations;
+		island              = complete(part.problem, solver, settings, island, own);
+		if (island.iterations == swept) continue; // the impulses have not changed
+		part.store(problem);
+		changed = true;
+	}
+	if (changed) {
+		const Errors errors   = errorsOf(problem, settings.velocityFloor);
+		report.residual       = errors.residual;
+		report.kinematicError = errors.kinematicError;
+	}
+	report.combine(std::move(islands));
+	return report;
+}
+
+Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings,
+        Workspace& workspace)
+{
+	if (!settings.sameProblem) checkProblem(problem, workspace.team()); // bad input before settings
+	checkSettings(solver, settings);
+	Report swept = sweepTogether(problem, solver, settings, workspace);
+	if (swept.islands.size() <= 1) return complete(problem, solver, settings, swept, workspace);
+	return completeIslands(problem, solver, settings, std::move(swept), workspace);
 }
 
 } // namespace rcr

@@ -54,7 +54,7 @@ struct Settings {
 	Reductions reductions;
 
 	/// The workspace solved this problem last; only biases and impulses may differ. Its packed data
-	/// are reused, and the problem is not checked.
+	/// are reused, and the problem is not checked. A new workspace loads the problem all the same.
 	bool sameProblem = false;
 
 	/// Returns true if residual and kinematic error meet their tolerances. Tolerance 0 is never
@@ -69,16 +69,19 @@ struct Report {
 	int    iterations     = 0; // of the island that needs most
 	double residual       = 0; // [-]
 	/// Every island has met a stop criterion, or has the residual 0. `solve` revokes this if a
-	/// blocked contact closes, or beyond the energy bound (infeasibility.hpp).
+	/// blocked contact closes, or if an island exceeds an energy bound (infeasibility.hpp).
 	bool   converged      = true;
 	double kinematicError = 0;     // [-]
 	bool   yielded        = false; // contacts yielded, or the rigid step was found to be infeasible
 	double dissipated     = 0;     // energy dissipated by contacts, −Σ p · (u + b_n n) [J/m]
 	double freeSpeed      = 0;     // RMS relative velocity without contact impulses [m/s]
+	double mass           = 0;     // of the bodies with contacts, without pivots [kg]
 	double work           = 0; // Σ sweeps × points over islands, without sweeps after exact steps
 
 	/// ‖Δp‖ over the last probeSweeps sweeps, relative to ‖p‖ [-]; infinity if not measured.
 	double impulseGrowth = std::numeric_limits<double>::infinity();
+
+	std::vector<Report> islands; // of each island, after sweeps
 
 	/// Returns true if the residual meets its tolerance. Tolerance 0 is never met.
 	bool meetsResidual(const Settings& s) const { return s.accept(residual, 0); }
@@ -92,7 +95,24 @@ struct Report {
 		Report both = *this;
 		both.iterations += before.iterations;
 		both.work += before.work;
+		for (Report& island : both.islands)
+			island.iterations += before.iterations;
 		return both;
+	}
+
+	/// Sets the verdicts, the counts and the dissipated energy from the reports of all islands.
+	void combine(std::vector<Report> all)
+	{
+		converged = true, yielded = false;
+		iterations = 0, work = 0, dissipated = 0;
+		for (const Report& island : all) {
+			converged  = converged && island.converged;
+			yielded    = yielded || island.yielded;
+			iterations = std::max(iterations, island.iterations);
+			work += island.work;
+			dissipated += island.dissipated;
+		}
+		islands = std::move(all);
 	}
 };
 
@@ -122,22 +142,29 @@ Report solveNlgs(ContactProblem&, const Settings&, Workspace&);     // plain Gau
 Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-relaxed by 1.3
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // momentum and restart
 
-/// Exact steps (exact/). They reach 1e-8 where sweeps stall. Starts with sweeps unless `swept`
-/// holds the report of earlier sweeps.
-Report solveExact(ContactProblem&, const Settings&, Workspace&, const Report* swept = nullptr);
+/// Sweeps to a residual of about 1e-5, at which exact steps begin (exact/).
+Report sweepForExactSteps(ContactProblem&, const Settings&, Workspace&);
 
-/// Solves with yielding contacts (sweep/solve_yielding.cpp). The workspace must hold this problem.
-/// `rigid` is the report of the rigid solve.
-Report solveYielding(ContactProblem&, const Settings&, const Report& rigid, Workspace&);
+/// Exact steps reach 1e-8 where sweeps stall. `swept` is the report of the sweeps before. At most
+/// maxIterations in addition to them.
+Report solveExact(ContactProblem&, const Settings&, const Report& swept, Workspace&);
+
+/// Solves with yielding contacts (sweep/solve_yielding.cpp). A workspace that holds a problem must
+/// hold this one.
+Report solveYielding(ContactProblem&, const Settings&, Workspace&);
 
 /// Runs a solver by name: nlgs, sor, nesterov, exact or auto. Lets contacts yield if required.
+///
+/// All islands are swept together. An island that has not met the criteria, or that may have no
+/// solution, is then solved alone: with exact steps, or with yielding contacts. So the verdict on
+/// an island does not depend on the others.
 ///
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
 /// tolerance below 1e-6, exact steps follow sweeps to 1e-5. A problem of up to 1000 points gets
 /// exact steps after 300 sweeps. An exact iteration counts as 20 sweeps there, or as one if the
 /// residual already meets its tolerance. Such a problem is also solved with a velocityFloor smaller
-/// by 1000, at limited cost. `converged` refers to the given floor, except with friction at a
-/// tolerance below 1e-6. A stretching cell is swept with momentum, unless nlgs or sor is named.
+/// by 1000, at limited cost. `converged` and the kinematic error refer to the given floor, except
+/// `converged` with friction at a tolerance below 1e-6. A stretching cell is swept with momentum, unless nlgs or sor is named.
 ///
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.

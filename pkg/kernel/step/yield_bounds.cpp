@@ -11,6 +11,7 @@ constexpr double loads       = 10;   // factor of L in the compliance
 constexpr double mostMomenta = 3;    // factor of P in the largest rigid impulse
 constexpr double mostLoads   = 200;  // factor of L in the largest rigid impulse
 constexpr double response    = 0.1;  // w₀ over the response of a body of the mean mass
+constexpr double leastLever  = 0.1;  // of a contact of a pivot, over the radius of the body
 constexpr double stiffest    = 1e-4; // smallest ε that sweeps can solve
 
 /// Length of the longest of all shortest chains of contacts that begin at a driven body
@@ -64,17 +65,22 @@ YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 	int    bodies = 0;
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const InverseMass& inverse = problem.inverseMass[id];
-		const double       largest = std::max(inverse.x, inverse.y);
-		if (largest == 0) continue;
-		const Twist &    v = problem.freeVelocity[id], &before = step.bodies[id].velocity;
-		const auto       free = [&](Vec2 u) {
-            return norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 });
+		if (inverse.prescribed()) continue;
+		const Twist &v = problem.freeVelocity[id], &before = step.bodies[id].velocity;
+		const double lever = inverse.translates() ? 0 : leastLever * step.bodies[id].radius;
+		const auto   speed = [&](const Twist& u) {
+            return inverse.translates()
+			          ? norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 })
+			          : lever * std::abs(u.rotation);
 		};
+		const double mass = 1
+		        / (inverse.translates() ? std::max(inverse.x, inverse.y)
+		                                : inverse.rotation * lever * lever);
 		++bodies;
-		total += 1 / largest;
-		const double own = (bounds.driveSpeed + free({ v.x, v.y })) / largest;
+		total += mass;
+		const double own = mass * (bounds.driveSpeed + speed(v));
 		momentum += own, largestMomentum = std::max(largestMomentum, own);
-		load += free({ v.x - before.x, v.y - before.y }) / largest;
+		load += mass * speed({ v.x - before.x, v.y - before.y, v.rotation - before.rotation });
 	}
 	if (bodies == 0) return bounds;
 	const double rows = bodies / std::max(std::sqrt(bodies), double(chain));

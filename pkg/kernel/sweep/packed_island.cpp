@@ -17,11 +17,12 @@ Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoi
 {
 	const Real *   v1 = view.recordAt(c.record1), *v2 = view.recordAt(c.record2);
 	constexpr bool whole = std::is_same_v<Real, double>; // or relative to the reference
-	const Vec2 rate = whole ? packed_.stretchRate_
-	                        : packed_.stretchRate_ - packed_.referenceStretchRate_;
-	const Vec2 u    = Vec2 {
-        double(v2[record::x]) - v1[record::x], double(v2[record::y]) - v1[record::y]
-	} + componentwise(rate, c.shift);
+	Vec2 u { double(v2[record::x]) - v1[record::x], double(v2[record::y]) - v1[record::y] };
+	if (stretches()) { // other islands must not read the rate, which this one changes
+		const Vec2 rate = whole ? packed_.stretchRate_
+		                        : packed_.stretchRate_ - packed_.referenceStretchRate_;
+		u               = u + componentwise(rate, c.shift);
+	}
 	const double   spin1 = c.wholeRecords ? v1[record::spin] : 0;
 	const double   spin2 = c.wholeRecords ? v2[record::spin] : 0;
 	const Impulse& rest  = whole ? c.drift : c.reference;

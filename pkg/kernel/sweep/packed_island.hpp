@@ -47,6 +47,8 @@ public:
 
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures measure();
+	/// Mass of the bodies without pivots [kg].
+	double mass() const { return state_.mass; }
 	/// Σ |u|² over the points without impulses [(m/s)²].
 	double freeVelocity2() const { return state_.freeVelocity2; }
 

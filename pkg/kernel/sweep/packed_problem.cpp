@@ -1,5 +1,6 @@
 #include "sweep/packed_problem.hpp"
 
+#include "problem/list_by_key.hpp"
 #include "sweep/packed_island.hpp"
 
 namespace rcr {
@@ -75,12 +76,28 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 			addToOverflow(problem, pairs[layout_.overflow()[k]], island.halfRecords);
 		states_[number].overflow.end = int(overflow_.size());
 	}
+	for (std::size_t body = 0; body < problem.inverseMass.size(); ++body) {
+		const InverseMass& m = problem.inverseMass[body];
+		if (layout_.island(int(body)) != none && m.translates())
+			states_[layout_.island(int(body))].mass += 1 / std::max(m.x, m.y);
+	}
 	forEachIsland([](PackedIsland&& island) {
 		island.prepare();
 		island.recomputeVelocities();
 	});
 	oldBody_        = body_;
 	oldStretchRate_ = stretchRate_;
+}
+
+void PackedProblem::listPoints(
+        std::vector<std::int32_t>& begin, std::vector<std::int32_t>& points) const
+{
+	listByKey(layout_.islands().size(), begin, points, [&](auto add) {
+		for (const PackedPair& pair : layout_.pairs())
+			for (int k = 0; k < pair.points; ++k)
+				if (const int island = layout_.islandOf(pair); island != none)
+					add(island, pair.firstPoint + k);
+	});
 }
 
 void PackedProblem::loadBody(const ContactProblem& problem, int body, int number, bool half)
@@ -208,7 +225,10 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 			const NoLeverColumnsOf<double> at(columns);
 			at.bias()[lane] = biasOf(point);
 			load(at.pn()[lane], p.n);
-			if (hasFriction(pairs[k].model)) load(at.pt()[lane], p.t);
+			at.oldPn()[lane] = p.n;
+			if (!hasFriction(pairs[k].model)) return;
+			load(at.pt()[lane], p.t);
+			at.oldPt()[lane] = p.t;
 		});
 	});
 	for (OverflowPoint& c : overflow_) {
@@ -216,12 +236,15 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 		c.bias          = biasOf(c.point);
 		load(c.p.n, p.n);
 		load(c.p.t, p.t);
+		c.old = p;
 	}
 	for (IslandState& state : states_) {
 		if (changed) state.velocityRecomputed = false;
 		state.measures.reset();
 	}
 	recomputeVelocities();
+	oldBody_        = body_;
+	oldStretchRate_ = stretchRate_;
 }
 
 void PackedProblem::recomputeVelocities()

@@ -45,7 +45,10 @@ public:
 	/// Writes the velocities recomputed from the impulses.
 	void storeVelocity(const ContactProblem&, std::vector<Twist>& velocity);
 
-	int islands() const { return int(layout_.islands().size()); }
+	bool loaded() const { return kernels_ != nullptr; }
+	int  islands() const { return int(layout_.islands().size()); }
+	/// Lists the points of each island as listByKey does.
+	void listPoints(std::vector<std::int32_t>& begin, std::vector<std::int32_t>& points) const;
 	/// Calls work(island) for each island. One thread sweeps a small island, all threads share a
 	/// large one. Include packed_island.hpp to use it.
 	template <class Work> void forEachIsland(Work work);
@@ -114,6 +117,7 @@ private:
 
 	struct IslandState {
 		Range                   overflow;                   // in overflow_
+		double                  mass               = 0;     // of its bodies, without pivots [kg]
 		double                  freeVelocity2      = 0;     // Σ |u|² without impulses [(m/s)²]
 		bool                    velocityRecomputed = false; // body_ is v_free + M⁻¹Jᵀp to the bit
 		bool                    singleFilled = false; // floats hold all but impulses and biases

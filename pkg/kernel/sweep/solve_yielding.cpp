@@ -21,8 +21,6 @@
 
 namespace rcr {
 
-constexpr double negligible = 0.01; // share of dissipation below which a solved island stays rigid
-
 /// Returns true if the bodies of the point can only turn about one axis, or not move at all.
 static bool isSingular(const Delassus& w)
 {
@@ -44,8 +42,7 @@ static void sweepToRest(
 	}
 }
 
-Report solveYielding(ContactProblem& problem, const Settings& settings, const Report& rigid,
-        Workspace& workspace)
+Report solveYielding(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
 	constexpr int maxSweeps = 1000;
 	Settings      sweeps    = settings;
@@ -76,13 +73,11 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, const Re
 		const double recovery  = std::max(problem.recoveryBias[k], -fastest);
 		problem.points[k].bias = std::min(problem.points[k].bias, recovery);
 	}
-	Report report = solveBySweeps(
-	        problem, sweeps, workspace, [&](PackedIsland& island, IslandStop& stop) {
-		        const Measures measures    = island.measure();
-		        const bool     rigidEnough = stop.meets(settings)
-		                && measures.dissipated <= negligible * rigid.dissipated
-		                && measures.impulse2 <= yieldImpulse * yieldImpulse;
-		        if (!rigidEnough) sweepToRest(island, stop, settings.yielding, tolerance);
+	Workspace  frictionless; // keeps the friction of the loaded problem
+	Workspace& used   = sweeps.sameProblem ? workspace : frictionless;
+	Report     report = solveBySweeps(
+	        problem, sweeps, used, [&](PackedIsland& island, IslandStop& stop) {
+		        sweepToRest(island, stop, settings.yielding, tolerance);
 	        });
 	report.yielded   = true;
 	report.converged = false;

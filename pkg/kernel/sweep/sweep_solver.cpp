@@ -44,42 +44,59 @@ Criteria IslandStop::evaluate()
 	return criteria;
 }
 
+/// Sums over the points of an island or of the whole problem.
+struct Sums {
+	Measures measures;
+	double   freeVelocity2 = 0, mass = 0, change2 = 0;
+	int      points        = 0;
+
+	Sums& operator+=(const Sums& other)
+	{
+		measures += other.measures;
+		freeVelocity2 += other.freeVelocity2, mass += other.mass, change2 += other.change2;
+		points += other.points;
+		return *this;
+	}
+
+	Report report(const Settings& settings) const
+	{
+		const Criteria criteria = criteriaOf(measures, freeVelocity2, points, settings);
+		Report         report;
+		report.residual       = criteria.residual;
+		report.kinematicError = criteria.kinematicError;
+		report.dissipated     = measures.dissipated;
+		report.freeSpeed      = points > 0 ? std::sqrt(freeVelocity2 / points) : 0;
+		report.mass           = mass;
+		// infinite without impulses
+		report.impulseGrowth = change2 > 0 ? std::sqrt(change2 / measures.impulse2) : 0;
+		return report;
+	}
+};
+
 Report reportOf(PackedProblem& packed, const Settings& settings, const std::vector<IslandEnd>& ends)
 {
-	struct Part {
-		Measures measures;
-		double   freeVelocity2;
-		int      points;
-	};
-	std::vector<Part> parts(packed.islands());
+	std::vector<Sums> sums(packed.islands());
 	packed.forEachIsland([&](PackedIsland&& island) {
-		parts[island.number()] = { island.measure(), island.freeVelocity2(), island.points() };
+		sums[island.number()] = { island.measure(), island.freeVelocity2(), island.mass(), 0,
+			island.points() };
 	});
-	Report report;
-	Part   whole {};
-	double change2 = 0;
-	int    points  = 0;
-	for (std::size_t k = 0; k < parts.size(); ++k) {
-		Criteria criteria = criteriaOf(
-		        parts[k].measures, parts[k].freeVelocity2, parts[k].points, settings);
-		criteria.meanForceChange = ends[k].meanForceChange;
-		const bool met           = criteria.met(settings)
+	Sums                whole;
+	std::vector<Report> islands;
+	islands.reserve(sums.size());
+	for (std::size_t k = 0; k < sums.size(); ++k) {
+		sums[k].change2 = ends[k].change2;
+		islands.push_back(sums[k].report(settings));
+		Report&        island = islands.back();
+		const Criteria criteria { island.residual, island.kinematicError, ends[k].meanForceChange };
+		island.converged  = criteria.met(settings)
 		        || (settings.tolerance == 0 && criteria.residual == 0);
-		report.converged = report.converged && met;
-		if (!met) change2 += ends[k].change2;
-		report.iterations = std::max(report.iterations, ends[k].sweeps);
-		report.work += double(ends[k].sweeps) * parts[k].points;
-		points += parts[k].points;
-		whole.measures += parts[k].measures;
-		whole.freeVelocity2 += parts[k].freeVelocity2;
+		island.iterations = ends[k].sweeps;
+		island.work       = double(ends[k].sweeps) * sums[k].points;
+		if (island.converged) sums[k].change2 = 0;
+		whole += sums[k];
 	}
-	const Criteria criteria = criteriaOf(whole.measures, whole.freeVelocity2, points, settings);
-	report.residual         = criteria.residual;
-	report.kinematicError   = criteria.kinematicError;
-	// infinite without impulses
-	report.impulseGrowth = change2 > 0 ? std::sqrt(change2 / whole.measures.impulse2) : 0;
-	report.dissipated    = whole.measures.dissipated;
-	report.freeSpeed     = points > 0 ? std::sqrt(whole.freeVelocity2 / points) : 0;
+	Report report = whole.report(settings);
+	report.combine(std::move(islands));
 	return report;
 }
 

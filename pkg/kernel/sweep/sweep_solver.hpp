@@ -53,7 +53,7 @@ Report solveBySweeps(
 	PackedProblem& packed = workspace.packed();
 	Report         report;
 	packed.team.run(settings.threads, [&] {
-		if (settings.sameProblem) packed.reload(problem);
+		if (settings.sameProblem && packed.loaded()) packed.reload(problem);
 		else
 			packed.load(problem, settings.lanes, settings.reductions);
 		std::vector<IslandEnd> ends(packed.islands());

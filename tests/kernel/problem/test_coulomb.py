@@ -76,6 +76,20 @@ def test_painleve_sticks(slip):
     assert np.isfinite(p).all() and p[0] >= 0 and abs(p[1]) <= 0.8 * p[0] * (1 + 1e-15)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_body_with_one_way_to_move_bears_no_rounding_error(seed):
+    """W = j jᵀ of a wall or a pivot: w_tt − w_nt²/w_nn is a rounding error, so the point slides."""
+    rng = np.random.default_rng(seed)
+    for _ in range(500):
+        angle, mu, g = rng.uniform(-np.pi, np.pi), rng.uniform(0.1, 1.2), rng.normal(0, 1, 2)
+        j = np.array([np.cos(angle), np.sin(angle)])
+        W = np.outer(j, j)
+        p = solve(W, g, mu)
+        assert abs(p[1]) <= mu * p[0] * (1 + 1e-12)
+        case = f"angle {angle}, mu {mu}, g {g}: p = {p}"
+        assert (W @ p + g)[0] == pytest.approx(max(g[0], 0), abs=1e-9), case
+
+
 @settings(max_examples=400, deadline=None)
 @given(n=numbers, t=numbers, mu=frictions)
 def test_projection_is_the_nearest_point_of_the_cone(n, t, mu):

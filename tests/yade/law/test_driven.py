@@ -187,6 +187,35 @@ def test_a_prescribed_component_that_closes_a_contact_is_a_jam(eta, angle, block
     refused("jam.*body #1", steps, 40, error=RuntimeError)
 
 
+@pytest.mark.parametrize("friction", [0, 0.5])
+@pytest.mark.parametrize("x, angle", [(0.134, 0.8), (0.847, 0.25), (0.764, -0.1)])
+def test_a_pivot_that_a_driven_body_presses_through_its_centre_is_a_jam(x, angle, friction):
+    """The lever of the contact is a rounding error; the disc must not spin."""
+    rough = material(friction)
+    apart, direction = 0.2, np.array([math.sin(angle), math.cos(angle)])
+    build(rcr.disc((x, 0.1), 0.1, rough),
+          rcr.disc((x, 0.1) + (apart + 5e-4) * direction, 0.1, rough, fixed=True,
+                   velocity=-0.1 * direction), tolerance=1e-4)
+    set_state(0, blockedDOFs="xyzXY")
+    for _ in range(12):
+        O.step()
+        assert abs(O.bodies[0].state.angVel[2]) < 1e-6
+    assert solver().yieldedSteps >= 6
+
+
+@pytest.mark.parametrize("name", ["auto", "exact", "nesterov"])
+def test_a_jam_of_fine_grains_is_seen_beside_coarse_ones(name):
+    """The impulses of discs of 1 mm vanish in the sums over a scene with discs of 0.1 m."""
+    rough, fine = material(0.4), 1e-3
+    squeeze = [rcr.disc((0, 2 * fine * k), fine, rough, fixed=k in (0, 5),
+                        velocity=(0, -1e-3) if k == 5 else (0, 0)) for k in range(6)]
+    coarse = [rcr.disc((10 + 0.3 * k, -0.9 + 1e-4), 0.1, rough, velocity=(0.1 * k, -1))
+              for k in range(30)]
+    build(rcr.wall("y", -1, 1, material=rough), *squeeze, *coarse, solver=name, tolerance=1e-4)
+    O.step()
+    assert solver().yielded
+
+
 def test_a_jam_that_is_tried_again_counts_no_step():
     squeezed()
     refused("jam", steps, 100, error=RuntimeError)

@@ -207,6 +207,17 @@ def test_shear_between_driven_walls():
     assert given > 0 and off < 0.01 * given and never_gives(dissipated, given)
 
 
+@pytest.mark.parametrize("mass", [1e-3, 1.0])
+def test_the_position_correction_of_a_wall_is_bounded(mass):
+    """As that of a grain, by 1e-4 R in a step."""
+    smooth = material(0)
+    build(rcr.disc((0, 0), 0.1, smooth, fixed=True),
+          rcr.mobile_wall("y", 0.095, mass, sense=-1, material=smooth), gravity=(0, 0, 0),
+          dt=1e-4, tolerance=1e-4)
+    steps(2)
+    assert 0 < O.bodies[1].state.pos[1] - 0.095 <= 2.001e-5
+
+
 def test_position_correction_lifts():
     """The correction of overlaps lifts grains: its account balances gravity's."""
     disc = grain_on_floor(0, height=0.099)

@@ -1,6 +1,7 @@
 #include "sweep/layout/layout.hpp"
 
 #include "parallel/thread_team.hpp"
+#include "problem/coulomb.hpp"
 #include "problem/list_by_key.hpp"
 
 namespace rcr {
@@ -13,8 +14,6 @@ namespace {
 	constexpr int maxPartitions  = 16;   // of an island
 	constexpr int sectionInterfaces = 4; // a smaller number would leave too many slots empty
 	constexpr int minModelShare     = 4; // a model needs 1/4 of the pairs of an island
-	// lever over arm [-] that counts as zero: rounding of positions far from the origin
-	constexpr double leverTolerance = 1e-10;
 
 	BodyKind kindOf(const InverseMass& m)
 	{
@@ -27,7 +26,7 @@ namespace {
 	{
 		const double lever = cross(arm, normal);
 		return (m.rotation != 0 || v.rotation != 0)
-		        && lever * lever > leverTolerance * leverTolerance * dot(arm, arm);
+		        && lever * lever > negligibleLever * negligibleLever * dot(arm, arm);
 	}
 
 	/// The cheapest model that holds for two points.

@@ -88,6 +88,9 @@ public:
 	int records() const { return records_; }
 	/// Record of a body. Order: island after island, partition after partition, then other bodies.
 	int  record(int body) const { return record_[body]; }
+	int  island(int body) const { return island_[body]; } // none: no contact moves it
+	/// Island of a pair; none: two prescribed bodies.
+	int  islandOf(const PackedPair& pair) const { return island_[movingBodies(pair)[0]]; }
 	bool hasHalfRecord(int body) const
 	{
 		return island_[body] != none && islands_[island_[body]].halfRecords;
@@ -123,7 +126,6 @@ private:
 		return { moves(pair.body1) ? pair.body1 : pair.body2,
 			moves(pair.body2) ? pair.body2 : pair.body1 };
 	}
-	int  islandOf(const PackedPair& pair) const { return island_[movingBodies(pair)[0]]; }
 	void sortPairs();
 	void chooseModels(Island&);
 	void cut(Island&);

@@ -21,7 +21,7 @@ def _(v):
 
 
 @claim("O2", "P(θ) is isotropic after compaction",
-       "|a_c| below 0.05, or below three standard errors of as many random directions")
+       "|a_c| below 0.05, or below three standard errors of that many isotropic directions")
 def _(v):
     a_c, error = require_finite(v["a_c"], "no isotropic.h5"), v["a_c_error"]
     return a_c <= np.maximum(0.05, 3 * error), a_c, error
@@ -206,7 +206,7 @@ def _(v):
 
 
 @claim("O13", "force above the mean for side-side contacts, well below it for aligned cap-cap ones",
-       "mean force of the lowest bin of ℓ_r above 1, of the highest below 0.8, at η ≥ 0.4",
+       "mean force above 1 in the lowest bin of ℓ_r, below 0.8 in the highest, at η ≥ 0.4",
        etas=(0.4, 1))
 def _(v):
     bins = [means[np.isfinite(means)] for means in v["f_l_r"]]

@@ -1,0 +1,23 @@
+// The contact problem of one island.
+#pragma once
+
+#include "problem/contact_problem.hpp"
+
+namespace rcr {
+
+class IslandProblem {
+public:
+	/// Copies the points with these numbers and their bodies, with impulses and velocities.
+	IslandProblem(const ContactProblem& whole, std::vector<std::int32_t> points);
+
+	/// Writes impulses and velocities to the whole problem, and the stretch rate if the island can
+	/// stretch the cell.
+	void store(ContactProblem& whole) const;
+
+	ContactProblem problem;
+
+private:
+	std::vector<std::int32_t> bodies_, points_; // their numbers in the whole problem, ascending
+};
+
+} // namespace rcr
