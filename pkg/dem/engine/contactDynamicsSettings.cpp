@@ -78,12 +78,10 @@ rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::YieldBounds& bound
 /// tolerances.
 rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome outcome) const
 {
-	const bool newContacts = outcome == PassOutcome::contactsAdded;
 	if (tolerance >= fineTolerance)
 		s.maxIterations = std::max(s.maxIterations - iterations, sweepsOfNextPass);
 	s.minIterations = std::min(sweepsOfNextPass, s.maxIterations);
-	s.sameProblem   = !newContacts && !yielded; // yielding may change friction
-	s.yieldedBefore = yielded && (newContacts || outcome == PassOutcome::biasChanged);
+	s.sameProblem   = outcome != PassOutcome::contactsAdded;
 	return s;
 }
 

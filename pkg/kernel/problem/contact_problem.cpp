@@ -90,6 +90,7 @@ void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 	const std::size_t bodies = problem.inverseMass.size();
 	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
 	checkSize("impulse", problem.impulse.size(), problem.points.size());
+	if (!problem.yielded.empty()) checkSize("yielded", problem.yielded.size(), bodies);
 	if (!problem.recoveryBias.empty())
 		checkSize("recoveryBias", problem.recoveryBias.size(), problem.points.size());
 	const Vec2 m = problem.inverseStretchMass, g = problem.stretchRate;

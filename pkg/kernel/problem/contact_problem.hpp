@@ -96,6 +96,8 @@ struct ContactProblem {
 	std::vector<InverseMass> inverseMass;
 	std::vector<Twist>       freeVelocity; // at the end of the step, without contact impulses
 	std::vector<Twist>       velocity;     // out: consistent with `impulse`
+	// in, out: contacts of the body have yielded in this step; may be empty
+	std::vector<char>        yielded;
 
 	// per contact point; the points of a pair are adjacent
 	std::vector<ContactPoint> points;
@@ -111,6 +113,7 @@ struct ContactProblem {
 	void setStretchRate(Vec2);
 
 	bool prescribed(int body) const { return inverseMass[body].prescribed(); }
+	bool hasYielded(int body) const { return !yielded.empty() && yielded[body]; }
 
 	/// Prescribed components of the velocity of a body; free components are 0 [m/s, 1/s].
 	Twist prescribedMotion(int body) const

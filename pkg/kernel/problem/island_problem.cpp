@@ -17,6 +17,7 @@ IslandProblem::IslandProblem(const ContactProblem& whole, std::vector<std::int32
 		problem.inverseMass.push_back(whole.inverseMass[id]);
 		problem.freeVelocity.push_back(whole.freeVelocity[id]);
 		problem.velocity.push_back(whole.velocity[id]);
+		if (!whole.yielded.empty()) problem.yielded.push_back(whole.yielded[id]);
 	}
 	const auto number = [&](std::int32_t id) {
 		return std::int32_t(
@@ -38,8 +39,10 @@ void IslandProblem::store(ContactProblem& whole) const
 {
 	for (std::size_t k = 0; k < points_.size(); ++k)
 		whole.impulse[points_[k]] = problem.impulse[k];
-	for (std::size_t k = 0; k < bodies_.size(); ++k)
+	for (std::size_t k = 0; k < bodies_.size(); ++k) {
 		whole.velocity[bodies_[k]] = problem.velocity[k];
+		if (!whole.yielded.empty() && problem.yielded[k]) whole.yielded[bodies_[k]] = true;
+	}
 	if (problem.stretches()) whole.setStretchRate(problem.stretchRate);
 }
 

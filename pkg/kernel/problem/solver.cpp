@@ -11,7 +11,6 @@ namespace rcr {
 constexpr double exactBelow = 1e-6; // residual below which exact steps are faster [-]
 constexpr int    leastPatience = 300; // least sweeps without a new lowest residual to exact steps
 constexpr int    exactIterations = 10; // exact iterations that cost as much as this patience
-constexpr int    sweepsAfterYield = 50; // sweeps of a later pass of a step that has yielded
 constexpr int    smallProblem = 1000; // points; exact steps cost at most some hundred sweeps
 constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
 // least maxIterations for a test of divergence; shorter passes run ten sweeps, too few for it
@@ -62,6 +61,12 @@ static bool exceedsYieldImpulse(const ContactProblem& problem, const Settings& s
 	return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
 }
 
+/// Returns true if contacts have yielded in an earlier pass of the step.
+static bool hasYielded(const ContactProblem& problem)
+{
+	return std::find(problem.yielded.begin(), problem.yielded.end(), true) != problem.yielded.end();
+}
+
 /// Runs probeSweeps sweeps on a copy of the problem that the workspace holds. Returns true if the
 /// impulses diverge.
 static bool probeDivergence(
@@ -88,16 +93,10 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 	                && exceedsEnergyBound(problem)))
 		return true;
 	if (report.converged || settings.tolerance == 0) return false;
-	if (settings.yieldedBefore) return true;
+	if (hasYielded(problem)) return true;
 	if (report.impulseGrowth <= divergentGrowth) return false;
 	return settings.maxIterations >= minIterationsToProbe
 	        && probeDivergence(problem, settings, workspace);
-}
-
-/// Returns true if an earlier pass of the step yielded: contacts yield unless a few sweeps suffice.
-static bool yieldsAgain(const Settings& settings)
-{
-	return settings.yieldedBefore && settings.yielding.compliance > 0;
 }
 
 static bool isSmall(const ContactProblem& problem)
@@ -116,10 +115,6 @@ static Report sweepTogether(ContactProblem& problem, const std::string& solver,
         const Settings& settings, Workspace& workspace)
 {
 	Settings sweeps = settings;
-	if (yieldsAgain(settings)) {
-		sweeps.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
-		return solveNesterov(problem, sweeps, workspace);
-	}
 	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
 	if (solver == "sor") return solveSor(problem, settings, workspace);
 	if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
@@ -183,10 +178,12 @@ static Report solveRigid(ContactProblem& problem, const std::string& solver,
         const Settings& settings, const Report& swept, Workspace& workspace)
 {
 	const bool exact = solver == "exact" || (solver == "auto" && settings.tolerance > 0);
-	if (swept.converged || !exact || problem.stretches() || yieldsAgain(settings)) return swept;
+	if (swept.converged || !exact || problem.stretches()) return swept;
 	Settings steps = settings;
 	steps.maxIterations -= swept.iterations;
-	if (steps.maxIterations > 0 && mustYield(swept, problem, settings, workspace)) {
+	const bool yieldsAgain = settings.yielding.compliance > 0 && hasYielded(problem);
+	if (yieldsAgain
+	        || (steps.maxIterations > 0 && mustYield(swept, problem, settings, workspace))) {
 		Report report  = swept; // exact steps would take long and find no solution
 		report.yielded = true;
 		return report;
@@ -246,8 +243,11 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
         const Report& swept, Workspace& workspace)
 {
 	Report rigid = solveRigid(problem, solver, settings, swept, workspace);
-	if (mustYield(rigid, problem, settings, workspace))
+	if (mustYield(rigid, problem, settings, workspace)) {
+		for (std::size_t body = 0; body < problem.yielded.size(); ++body)
+			problem.yielded[body] = !problem.prescribed(int(body));
 		return solveYielding(problem, settings, workspace).after(rigid);
+	}
 	// mustYield has tested contacts that may yield
 	const bool mayHaveNoSolution = settings.yielding.compliance == 0 && rigid.converged;
 	if (mayHaveNoSolution // the residual omits a blocked contact, and impulses that grow lower it

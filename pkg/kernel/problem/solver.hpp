@@ -42,10 +42,6 @@ struct Settings {
 	/// (step/yield_bounds.hpp). Compliance 0: contacts never yield.
 	Yielding yielding;
 
-	/// An earlier pass of this step has yielded. If contacts may yield, this pass yields too unless
-	/// a few sweeps solve it.
-	bool yieldedBefore = false;
-
 	/// Stop criterion of the paper: relative change of the mean normal impulse between two
 	/// evaluations [-]. The solver stops at the criterion that is met first. A warm start meets
 	/// 1e-3 already at a residual of 1e-2. 0: not used.
@@ -157,7 +153,8 @@ Report solveYielding(ContactProblem&, const Settings&, Workspace&);
 ///
 /// All islands are swept together. An island that has not met the criteria, or that may have no
 /// solution, is then solved alone: with exact steps, or with yielding contacts. So the verdict on
-/// an island does not depend on the others.
+/// an island does not depend on the others. If contacts may yield, an island that has yielded in an
+/// earlier pass of the step yields again unless a few sweeps solve it.
 ///
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
 /// tolerance below 1e-6, exact steps follow sweeps to 1e-5. A problem of up to 1000 points gets

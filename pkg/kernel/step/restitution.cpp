@@ -90,13 +90,15 @@ bool lowerRestitutionOfYielded(Step& step, bool plastic)
 		if (!(contact.restitution > 0)) continue;
 		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = step.problem.points[k];
-			if (!(c.bias < 0)) continue;
+			const bool yields = step.problem.hasYielded(c.body1) || step.problem.hasYielded(c.body2);
+			if (!yields || !(c.bias < 0)) continue;
 			const double after = relativeVelocity(step.problem, c).n;
 			if (after >= -fullRestitution * c.bias) continue;
 			c.bias  = after > 0 && !plastic ? -after : std::max(step.gap[k].now, 0.0) / step.dt;
 			lowered = true;
 		}
 	}
+	if (lowered) step.problem.yielded.assign(step.bodies.size(), false);
 	return lowered;
 }
 

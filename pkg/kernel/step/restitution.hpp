@@ -25,8 +25,8 @@ namespace rcr {
 /// step. Returns true if a bias changed.
 bool lowerPairRestitution(Step&);
 
-/// In a step without a solution, limits restitution to the solved velocity of each point;
-/// `plastic`: removes it. Returns true if a bias changed.
+/// Limits the restitution of contacts that have yielded to the solved velocity of each point;
+/// `plastic`: removes it. Returns true if a bias changed; contacts may then be solved as rigid.
 bool lowerRestitutionOfYielded(Step&, bool plastic);
 
 /// Removes all restitution. Without it, no step adds energy.

@@ -58,6 +58,7 @@ void Step::resizePoints(int points)
 	widened.clear();
 	added.clear();
 	displacement.clear();
+	problem.yielded.assign(bodies.size(), false);
 	strain = {};
 }
 

@@ -47,6 +47,8 @@ public:
 
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures measure();
+	/// Returns true if contacts have yielded in an earlier pass of the step.
+	bool hasYielded() const { return state_.hasYielded; }
 	/// Mass of the bodies without pivots [kg].
 	double mass() const { return state_.mass; }
 	/// Σ |u|² over the points without impulses [(m/s)²].

@@ -81,12 +81,21 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		if (layout_.island(int(body)) != none && m.translates())
 			states_[layout_.island(int(body))].mass += 1 / std::max(m.x, m.y);
 	}
+	findYielded(problem);
 	forEachIsland([](PackedIsland&& island) {
 		island.prepare();
 		island.recomputeVelocities();
 	});
 	oldBody_        = body_;
 	oldStretchRate_ = stretchRate_;
+}
+
+/// Finds the islands that have yielded in an earlier pass of the step.
+void PackedProblem::findYielded(const ContactProblem& problem)
+{
+	for (std::size_t body = 0; body < problem.yielded.size(); ++body)
+		if (problem.yielded[body] && layout_.island(int(body)) != none)
+			states_[layout_.island(int(body))].hasYielded = true;
 }
 
 void PackedProblem::listPoints(
@@ -241,7 +250,9 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 	for (IslandState& state : states_) {
 		if (changed) state.velocityRecomputed = false;
 		state.measures.reset();
+		state.hasYielded = false;
 	}
+	findYielded(problem);
 	recomputeVelocities();
 	oldBody_        = body_;
 	oldStretchRate_ = stretchRate_;

@@ -80,6 +80,7 @@ private:
 		Impulse      saved;     // p
 	};
 
+	void findYielded(const ContactProblem&);
 	void loadBody(const ContactProblem&, int body, int record, bool half);
 	void recomputeVelocities();
 	void fill(const ContactProblem&, const PackedPair&);
@@ -118,6 +119,7 @@ private:
 	struct IslandState {
 		Range                   overflow;                   // in overflow_
 		double                  mass               = 0;     // of its bodies, without pivots [kg]
+		bool                    hasYielded         = false; // in an earlier pass of the step
 		double                  freeVelocity2      = 0;     // Σ |u|² without impulses [(m/s)²]
 		bool                    velocityRecomputed = false; // body_ is v_free + M⁻¹Jᵀp to the bit
 		bool                    singleFilled = false; // floats hold all but impulses and biases

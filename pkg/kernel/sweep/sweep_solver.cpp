@@ -10,6 +10,7 @@ ThreadTeam&         Workspace::team() { return packed_->team; }
 const ModelSummary& Workspace::summary() const { return packed_->summary(); }
 double              Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
 
+constexpr int    sweepsAfterYield  = 50;   // of an island that yielded in an earlier pass
 constexpr double minSingleResidual = 1e-6; // least residual in floats, which round to 6e-8
 
 static Criteria criteriaOf(
@@ -20,6 +21,14 @@ static Criteria criteriaOf(
 	return { residualFromSums(m.error2, m.impulse2, m.stopping2),
 		kinematicErrorFromSums(
 		        m.kinematicError2, m.velocity2, freeVelocity2, settings.velocityFloor) };
+}
+
+Settings IslandStop::settingsFor(const PackedIsland& island, const Settings& settings)
+{
+	Settings own = settings;
+	if (settings.tolerance > 0 && settings.yielding.compliance > 0 && island.hasYielded())
+		own.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
+	return own;
 }
 
 Criteria IslandStop::measure()

@@ -9,7 +9,10 @@ namespace rcr {
 /// The stop test of an island.
 class IslandStop {
 public:
-	IslandStop(PackedIsland& island, const Settings& settings) : island_(island), stop_(settings) { }
+	IslandStop(PackedIsland& island, const Settings& settings)
+	        : island_(island), stop_(settingsFor(island, settings))
+	{
+	}
 
 	/// Call before each sweep. Returns true if the sweeps must stop. An island of one point is
 	/// measured after its first sweep, which solves it.
@@ -24,6 +27,8 @@ public:
 	double meanForceChange() const { return stop_.criteria().meanForceChange; }
 
 private:
+	static Settings settingsFor(const PackedIsland&, const Settings&);
+
 	Criteria measure(); // confirms floats by doubles
 	Criteria evaluate();
 
