@@ -239,7 +239,7 @@ def _(v):
 
 
 @claim("O14", "at η = 0.5 its anisotropy grows with ξ",
-       "no amplitude is below that of the previous ξ by more than two errors", etas=0.5)
+       "the last exceeds the first; none is below the previous one by over two errors", etas=0.5)
 def _(v):
     amplitude, error = require_finite(v["amplitude"]), known(v["amplitude_error"])
     rises = np.diff(amplitude) > -SIGMAS * np.hypot(error[1:], error[:-1])
@@ -337,7 +337,7 @@ def _(v):
 
 
 @claim("O18", "q/p of the weak network below 0.1",
-       "q(1)/p below 0.1, with a margin of two errors, at every η")
+       "q(1)/p below 0.1, or above it by less than two errors, at every η")
 def _(v):
     value, error = at_xi_1(v, "q_over_p")
     return value - SIGMAS * error < 0.1, value, error
