@@ -61,7 +61,8 @@ TABLE = {
     ],
     "problem/solver.cpp": [
         ("islands-judged-together", "swept.islands.size() <= 1", "true"),
-        ("keeps-positive-cost", "rigid.converged || !hasPositiveCost(problem)", "true"),
+        ("keeps-positive-cost", "rigid.converged || !hasPositiveCost(problem, ", "true || !hasPositiveCost(problem, "),
+        ("no-cold-start", "problem.impulse.assign(problem.points.size(), {}); // their", "//"),
         ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
         ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),
     ],
@@ -152,7 +153,6 @@ TABLE = {
     ],
     "exact/solve_exact.cpp": [
         ("last-instead-of-best", "problem.impulse = best.impulse;", ""),
-        ("no-cold-start", "problem.impulse.assign(problem.points.size(), {});", ""),
     ],
     "exact/proximal_parameter.hpp": [
         ("patience-without-limit", "std::min(maxPatience, 2 * patience_)", "2 * patience_"),

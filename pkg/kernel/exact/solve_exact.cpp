@@ -81,17 +81,9 @@ namespace {
 Report sweepForExactSteps(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
 	const double tolerance = std::max(settings.tolerance, sweptResidual);
-	const auto   most      = [](int left) { return std::min(maxSweeps, (left + 1) / 2); };
-	Report       report    = sweep(
-	        problem, settings, tolerance, most(settings.maxIterations), workspace);
-	const int left = settings.maxIterations - report.iterations;
-	if (std::isnan(report.residual) && left > 0) { // the squares of the impulses overflow
-		problem.impulse.assign(problem.points.size(), {});
-		Settings cold    = settings;
-		cold.sameProblem = false;
-		report           = sweep(problem, cold, tolerance, most(left), workspace).after(report);
-	}
-	report.converged = true;
+	const int    most      = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
+	Report       report    = sweep(problem, settings, tolerance, most, workspace);
+	report.converged       = true;
 	for (Report& island : report.islands) {
 		island.converged = island.meetsTolerances(settings);
 		report.converged = report.converged && island.converged;

@@ -8,12 +8,19 @@
 
 namespace rcr {
 
-/// Mass of body 1 of a point. A wall or a pivot has the mass that the point meets. 0: prescribed or
-/// blocked.
+/// Least response of a wall or a pivot to an impulse, over that to the best placed one. A direction
+/// or lever below a tenth hardly moves it: its speed would be more than ten times that of the point.
+constexpr double leastResponse = 0.01;
+
+/// Mass of body 1 of a point. A wall or a pivot has the mass that the point meets. Infinite:
+/// prescribed or blocked.
 static double massAt(const ContactPoint& c, const InverseMass& m)
 {
-	const double inverse = m.x > 0 && m.y > 0 ? std::max(m.x, m.y) : delassus(c, m, {}).nn;
-	return inverse > 0 ? 1 / inverse : 0;
+	if (m.x > 0 && m.y > 0) return 1 / std::max(m.x, m.y);
+	const double response = delassus(c, m, {}).nn;
+	const double most = m.translates() ? std::max(m.x, m.y) : m.rotation * dot(c.arm1, c.arm1);
+	return response > 0 ? 1 / std::max(response, leastResponse * most)
+	                    : std::numeric_limits<double>::infinity();
 }
 
 /// V_s of a direction.
@@ -22,9 +29,10 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Imp
 	double largest = 0, speed2 = 0, opening = 0;
 	for (const Impulse& one : d)
 		largest = std::max(largest, one.n);
-	std::vector<double> mass(problem.inverseMass.size()); // where d acts
+	const double        none = std::numeric_limits<double>::infinity();
+	std::vector<double> mass(problem.inverseMass.size(), none); // where d acts
 	const auto          include = [&](int body, const ContactPoint& c) {
-        mass[body] = std::max(mass[body], massAt(c, problem.inverseMass[body]));
+        mass[body] = std::min(mass[body], massAt(c, problem.inverseMass[body]));
 	};
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		if (d[k].n <= noiseShare * largest) continue;
@@ -37,7 +45,8 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Imp
 		include(c.body1, c);
 		include(c.body2, reversed);
 	}
-	const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
+	const double total = std::accumulate(mass.begin(), mass.end(), 0.0,
+	        [&](double sum, double one) { return one < none ? sum + one : sum; });
 	return std::sqrt(total) * (std::sqrt(speed2) + opening);
 }
 
@@ -81,16 +90,12 @@ double dissipatedEnergy(const ContactProblem& problem)
 	return energy;
 }
 
-bool hasPositiveCost(const ContactProblem& problem)
+double costOf(const ContactProblem& problem, std::size_t k)
 {
-	double sum = 0;
-	for (std::size_t k = 0; k < problem.points.size(); ++k) {
-		const ContactPoint& c = problem.points[k];
-		const Impulse&      p = problem.impulse[k];
-		const Impulse       u = relativeVelocity(problem, c);
-		sum += 0.5 * (dot(p, u) + dot(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
-	}
-	return !(sum <= 0); // true also if products of large impulses overflow to NaN
+	const ContactPoint& c = problem.points[k];
+	const Impulse&      p = problem.impulse[k];
+	const Impulse       u = relativeVelocity(problem, c);
+	return 0.5 * (dot(p, u) + dot(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
 }
 
 bool exceedsEnergyBound(const ContactProblem& problem)

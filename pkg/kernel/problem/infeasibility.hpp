@@ -28,10 +28,10 @@ namespace rcr {
 /// friction, and of points that still close.
 double dissipatedEnergy(const ContactProblem&);
 
-/// Returns true if the cost ½ pᵀWp + p · (u_free + b_n n) is positive or NaN. Frictionless
-/// solutions minimise it; zero impulses cost 0. Impulses of positive cost would add energy to the
-/// step. Solvers that start far from the solution can end with such impulses.
-bool hasPositiveCost(const ContactProblem&);
+/// Share of a point in the cost ½ pᵀWp + p · (u_free + b_n n) [J/m]. Frictionless solutions minimise
+/// the cost; zero impulses cost 0. Impulses of positive cost would add energy to the step. Solvers
+/// that start far from the solution can end with such impulses.
+double costOf(const ContactProblem&, std::size_t point);
 
 /// Returns true if 2 √E > 3 V_s, with the dissipated energy E. With d = p and N² = pᵀWp, the bound
 /// above is (E + N²)/N ≥ 2 √E. The velocities would then have to change by more than 3 V_s. This

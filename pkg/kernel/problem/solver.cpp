@@ -1,8 +1,9 @@
 #include "problem/solver.hpp"
 
+#include <numeric>
+
 #include "problem/infeasibility.hpp"
 #include "problem/island_problem.hpp"
-#include "problem/refuse.hpp"
 #include "problem/residual.hpp"
 #include "sweep/packed_problem.hpp"
 
@@ -81,6 +82,12 @@ static bool probeDivergence(
 	return isDivergent(probe, problem.impulse);
 }
 
+static bool exceedsEnergyBound(const ContactProblem& problem, const Report& report)
+{
+	return mayExceedEnergyBound(report.dissipated, report.mass, report.freeSpeed)
+	        && exceedsEnergyBound(problem);
+}
+
 /// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
 /// impulses so large that both relative errors are small.
 static bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings,
@@ -89,8 +96,7 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 	if (settings.yielding.compliance == 0) return false;
 	if (report.yielded || exceedsYieldImpulse(problem, settings)
 	        || closesBlockedContact(problem, settings.roundingVelocity)
-	        || (mayExceedEnergyBound(report.dissipated, report.mass, report.freeSpeed)
-	                && exceedsEnergyBound(problem)))
+	        || exceedsEnergyBound(problem, report))
 		return true;
 	if (report.converged || settings.tolerance == 0) return false;
 	if (hasYielded(problem)) return true;
@@ -99,15 +105,20 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 	        && probeDivergence(problem, settings, workspace);
 }
 
-static bool isSmall(const ContactProblem& problem)
-{
-	return int(problem.points.size()) <= smallProblem;
-}
-
 /// Returns true if `auto` runs exact steps as `exact` does.
 static bool isFine(const ContactProblem& problem, const Settings& settings)
 {
 	return settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem);
+}
+
+static Settings firstSweepsOfAuto(const Settings& settings, int points)
+{
+	Settings sweeps    = settings;
+	sweeps.stallSweeps = patience(points);
+	if (settings.tolerance == 0 || points > smallProblem) return sweeps;
+	sweeps.velocityFloor *= smallProblemFloorFactor;
+	sweeps.maxIterations = std::min(leastPatience, settings.maxIterations);
+	return sweeps;
 }
 
 /// Sweeps of all islands together, the first stage of every solver.
@@ -121,22 +132,15 @@ static Report sweepTogether(ContactProblem& problem, const std::string& solver,
 		return solveNesterov(problem, settings, workspace);
 	if (solver == "exact" || isFine(problem, settings))
 		return sweepForExactSteps(problem, settings, workspace);
-	sweeps.stallSweeps = patience(problem.points.size());
-	if (settings.tolerance == 0 || !isSmall(problem))
-		return solveNesterov(problem, sweeps, workspace);
-	sweeps.velocityFloor *= smallProblemFloorFactor;
-	sweeps.maxIterations = std::min(leastPatience, settings.maxIterations);
-	Report report        = solveNesterov(problem, sweeps, workspace);
-	if (report.kinematicError > 0)
-		report.kinematicError = errorsOf(problem, settings.velocityFloor).kinematicError;
-	return report;
+	sweeps.ofIsland = firstSweepsOfAuto;
+	return solveNesterov(problem, sweeps, workspace);
 }
 
 /// `auto` after its sweeps, which have not converged.
 static Report continueAuto(ContactProblem& problem, const Settings& settings, const Report& swept,
         Workspace& workspace)
 {
-	const bool   small = isSmall(problem);
+	const bool   small = int(problem.points.size()) <= smallProblem;
 	const double floor = settings.velocityFloor,
 	             fine  = small ? floor * smallProblemFloorFactor : floor;
 	Report       report    = swept;
@@ -173,15 +177,31 @@ static Report continueAuto(ContactProblem& problem, const Settings& settings, co
 	return report;
 }
 
+static bool takesExactSteps(const std::string& solver, const Settings& settings)
+{
+	return solver == "exact" || (solver == "auto" && settings.tolerance > 0);
+}
+
+/// These settings with the iterations that are left after the sweeps.
+static Settings remaining(const Settings& settings, const Report& swept)
+{
+	Settings left = settings;
+	left.maxIterations = std::max(settings.maxIterations - swept.iterations, 0);
+	return left;
+}
+
 /// The exact steps of `exact` and `auto`, if sweeps have not converged.
 static Report solveRigid(ContactProblem& problem, const std::string& solver,
-        const Settings& settings, const Report& swept, Workspace& workspace)
+        const Settings& settings, Report swept, Workspace& workspace)
 {
-	const bool exact = solver == "exact" || (solver == "auto" && settings.tolerance > 0);
-	if (swept.converged || !exact || problem.stretches()) return swept;
-	Settings steps = settings;
-	steps.maxIterations -= swept.iterations;
-	const bool yieldsAgain = settings.yielding.compliance > 0 && hasYielded(problem);
+	if (swept.converged || !takesExactSteps(solver, settings) || problem.stretches()) return swept;
+	if (std::isnan(swept.residual) && swept.iterations < settings.maxIterations) {
+		problem.impulse.assign(problem.points.size(), {}); // their squares overflow
+		swept = sweepTogether(problem, solver, remaining(settings, swept), workspace).after(swept);
+		if (swept.converged) return swept;
+	}
+	const Settings steps = remaining(settings, swept);
+	const bool     yieldsAgain = settings.yielding.compliance > 0 && hasYielded(problem);
 	if (yieldsAgain
 	        || (steps.maxIterations > 0 && mustYield(swept, problem, settings, workspace))) {
 		Report report  = swept; // exact steps would take long and find no solution
@@ -203,39 +223,15 @@ static Report solveFromZero(ContactProblem& problem, const Settings& settings, W
 	return solveNlgs(problem, sweeps, workspace);
 }
 
-const std::vector<std::string>& solverNames()
-{
-	static const std::vector<std::string> names { "nlgs", "sor", "nesterov", "exact", "auto" };
-	return names;
-}
+using PointIterator = std::vector<std::int32_t>::const_iterator;
 
-void checkSettings(const std::string& solver, const Settings& s)
+/// Returns true if the impulses of these points, those of an island, would add energy to the step.
+static bool hasPositiveCost(
+        const ContactProblem& problem, PointIterator first, PointIterator last)
 {
-	requireKnown("solver", solver, solverNames());
-	if (!(s.tolerance >= 0 && std::isfinite(s.tolerance)))
-		refuse("tolerance = ", s.tolerance, ": give a finite residual ≥ 0; 0 runs all iterations");
-	if (s.maxIterations < 1) refuse("maxIterations = ", s.maxIterations, ": give at least 1");
-	if (s.checkInterval < 1) refuse("checkInterval = ", s.checkInterval, ": give at least 1 sweep");
-	if (s.minIterations < 0 || s.minIterations > s.maxIterations)
-		refuse("minIterations = ", s.minIterations,
-		       ": give at least 0, and at most maxIterations = ", s.maxIterations);
-	if (s.stallSweeps < 0)
-		refuse("stallSweeps = ", s.stallSweeps, ": give at least 1, or 0 to ignore stalls");
-	if (s.threads < 1) refuse("threads = ", s.threads, ": give at least 1");
-	if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
-		refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for the width of the processor");
-	if (!(s.kinematicTolerance >= 0))
-		refuse("kinematicTolerance = ", s.kinematicTolerance,
-		       ": give a fraction ≥ 0; infinity disables the test");
-	if (!(s.yielding.compliance >= 0))
-		refuse("yieldCompliance = ", s.yielding.compliance,
-		       ": give a fraction ≥ 0 of the response of a contact; 0 keeps contacts rigid");
-	if (!(s.yielding.yieldImpulse > 0))
-		refuse("yieldImpulse = ", s.yielding.yieldImpulse,
-		       ": give an impulse > 0; infinity sets no bound");
-	if (!(s.meanForceChange >= 0 && std::isfinite(s.meanForceChange)))
-		refuse("meanForceChange = ", s.meanForceChange,
-		       ": give a finite change ≥ 0; 0 disables the criterion");
+	const double cost = std::accumulate(first, last, 0.0,
+	        [&](double sum, std::int32_t k) { return sum + costOf(problem, k); });
+	return !(cost <= 0); // true also if products of large impulses overflow to NaN
 }
 
 /// Completes the solution of an island, or of a problem with one island, after its sweeps.
@@ -251,11 +247,13 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	// mustYield has tested contacts that may yield
 	const bool mayHaveNoSolution = settings.yielding.compliance == 0 && rigid.converged;
 	if (mayHaveNoSolution // the residual omits a blocked contact, and impulses that grow lower it
-	    && (exceedsEnergyBound(problem)
+	    && (exceedsEnergyBound(problem, rigid)
 	            || (closesBlockedContact(problem, settings.roundingVelocity)
 	                    && closesBlockedContact(problem, 1e-12 * drivenSpeed(problem)))))
 		rigid.converged = false;
-	if (rigid.converged || !hasPositiveCost(problem)) return rigid;
+	std::vector<std::int32_t> points(problem.points.size());
+	std::iota(points.begin(), points.end(), 0);
+	if (rigid.converged || !hasPositiveCost(problem, points.begin(), points.end())) return rigid;
 	return solveFromZero(problem, settings, workspace).after(rigid);
 }
 
@@ -266,30 +264,42 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 	std::vector<std::int32_t> begin, points;
 	workspace.packed().listPoints(begin, points);
 	const auto mayYield = [&](std::int32_t k) {
-		return problem.impulse[k].n > settings.yielding.yieldImpulse
-		        || closesBlocked(problem, problem.points[k], settings.roundingVelocity);
+		const ContactPoint& c = problem.points[k];
+		return problem.impulse[k].n > settings.yielding.yieldImpulse || problem.hasYielded(c.body1)
+		        || problem.hasYielded(c.body2)
+		        || closesBlocked(problem, c, settings.roundingVelocity);
+	};
+	const auto needsMore = [&](const Report& island, PointIterator first, PointIterator last) {
+		if (mayExceedEnergyBound(island.dissipated, island.mass, island.freeSpeed)
+		        || std::any_of(first, last, mayYield))
+			return true;
+		if (island.converged) return false;
+		const bool isSmall = last - first <= smallProblem; // its floor may be finer
+		return (takesExactSteps(solver, settings)
+		               && (isSmall || island.iterations < settings.maxIterations))
+		        || (settings.yielding.compliance > 0 && island.impulseGrowth > divergentGrowth)
+		        || hasPositiveCost(problem, first, last);
 	};
 	std::vector<Report> islands = std::move(report.islands);
 	bool                changed = false;
 	for (std::size_t number = 0; number < islands.size(); ++number) {
 		Report&    island = islands[number];
-		const auto first = points.begin() + begin[number], last = points.begin() + begin[number + 1];
-		if (island.converged
-		        && !mayExceedEnergyBound(island.dissipated, island.mass, island.freeSpeed)
-		        && std::none_of(first, last, mayYield))
-			continue;
+		const PointIterator first = points.begin() + begin[number],
+		                    last  = points.begin() + begin[number + 1];
+		if (!needsMore(island, first, last)) continue;
 		IslandProblem part(problem, { first, last });
 		Workspace     own;
-		const int     swept = island.iterations;
-		island              = complete(part.problem, solver, settings, island, own);
-		if (island.iterations == swept) continue; // the impulses have not changed
+		island = complete(part.problem, solver, settings, island, own);
 		part.store(problem);
 		changed = true;
 	}
 	if (changed) {
 		const Errors errors   = errorsOf(problem, settings.velocityFloor);
-		report.residual       = errors.residual;
-		report.kinematicError = errors.kinematicError;
+		const bool   met      = std::all_of(islands.begin(), islands.end(),
+		               [](const Report& island) { return island.residual == 0; });
+		report.residual       = met ? 0 : errors.residual; // not that of rounding errors
+		report.kinematicError = met ? 0 : errors.kinematicError;
+		report.impulseGrowth  = std::numeric_limits<double>::infinity(); // not measured
 	}
 	report.combine(std::move(islands));
 	return report;

@@ -49,6 +49,9 @@ struct Settings {
 
 	Reductions reductions;
 
+	/// Settings of an island with this number of points; null: these settings.
+	Settings (*ofIsland)(const Settings&, int points) = nullptr;
+
 	/// The workspace solved this problem last; only biases and impulses may differ. Its packed data
 	/// are reused, and the problem is not checked. A new workspace loads the problem all the same.
 	bool sameProblem = false;
@@ -82,8 +85,12 @@ struct Report {
 	/// Returns true if the residual meets its tolerance. Tolerance 0 is never met.
 	bool meetsResidual(const Settings& s) const { return s.accept(residual, 0); }
 
-	/// Returns true if residual and kinematic error meet their tolerances.
-	bool meetsTolerances(const Settings& s) const { return s.accept(residual, kinematicError); }
+	/// Returns true if residual and kinematic error meet their tolerances. Only the residual 0 meets
+	/// the tolerance 0.
+	bool meetsTolerances(const Settings& s) const
+	{
+		return s.accept(residual, kinematicError) || (s.tolerance == 0 && residual == 0);
+	}
 
 	/// This report with the iterations and the work of an earlier solver added.
 	Report after(const Report& before) const

@@ -66,6 +66,7 @@ YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const InverseMass& inverse = problem.inverseMass[id];
 		if (inverse.prescribed()) continue;
+		if (!inverse.translates() && step.bodies[id].radius == 0) continue; // has no contacts
 		const Twist &v = problem.freeVelocity[id], &before = step.bodies[id].velocity;
 		const double lever = inverse.translates() ? 0 : leastLever * step.bodies[id].radius;
 		const auto   speed = [&](const Twist& u) {

@@ -20,7 +20,8 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 		island.beginMixedPrecision();
 		while (!stop.mustStop()) {
 			// stop.sweeps() is 1 before the first sweep
-			if (stop.sweeps() == settings.maxIterations - probeSweeps + 1) island.saveImpulses();
+			if (stop.sweeps() == stop.settings().maxIterations - probeSweeps + 1)
+				island.saveImpulses();
 			sweep(island, momentum);
 		}
 		island.endMixedPrecision();

@@ -16,6 +16,7 @@
 // about 1/√ε sweeps. Overlaps are corrected no faster than the driven motion. So the force of a
 // contact grows with its overlap, as with springs. Source: Acary, Cadoux, Lemaréchal and Malick
 // 2011 (existence); Castro et al. 2022 (near-rigid regime of a convex relative).
+#include "problem/residual.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/sweep_solver.hpp"
 
@@ -79,12 +80,15 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, Workspac
 	        problem, sweeps, used, [&](PackedIsland& island, IslandStop& stop) {
 		        sweepToRest(island, stop, settings.yielding, tolerance);
 	        });
-	report.yielded   = true;
-	report.converged = false;
 	for (std::size_t k = 0; k < given.size(); ++k) {
 		problem.points[k].bias     = given[k].bias;
 		problem.points[k].friction = given[k].friction;
 	}
+	const Errors errors   = errorsOf(problem, settings.velocityFloor);
+	report.residual       = errors.residual;
+	report.kinematicError = errors.kinematicError;
+	report.yielded        = true;
+	report.converged      = false;
 	return report;
 }
 

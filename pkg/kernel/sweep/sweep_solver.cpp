@@ -25,9 +25,9 @@ static Criteria criteriaOf(
 
 Settings IslandStop::settingsFor(const PackedIsland& island, const Settings& settings)
 {
-	Settings own = settings;
+	Settings own = settings.ofIsland ? settings.ofIsland(settings, island.points()) : settings;
 	if (settings.tolerance > 0 && settings.yielding.compliance > 0 && island.hasYielded())
-		own.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
+		own.maxIterations = std::min(own.maxIterations, sweepsAfterYield);
 	return own;
 }
 
@@ -93,12 +93,13 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 	std::vector<Report> islands;
 	islands.reserve(sums.size());
 	for (std::size_t k = 0; k < sums.size(); ++k) {
-		sums[k].change2 = ends[k].change2;
-		islands.push_back(sums[k].report(settings));
+		sums[k].change2   = ends[k].change2;
+		Settings own      = settings;
+		own.velocityFloor = ends[k].velocityFloor;
+		islands.push_back(sums[k].report(own));
 		Report&        island = islands.back();
 		const Criteria criteria { island.residual, island.kinematicError, ends[k].meanForceChange };
-		island.converged  = criteria.met(settings)
-		        || (settings.tolerance == 0 && criteria.residual == 0);
+		island.converged  = criteria.met(settings) || island.meetsTolerances(settings);
 		island.iterations = ends[k].sweeps;
 		island.work       = double(ends[k].sweeps) * sums[k].points;
 		if (island.converged) sums[k].change2 = 0;

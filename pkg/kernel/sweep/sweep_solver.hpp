@@ -24,6 +24,7 @@ public:
 	/// Returns true if the island meets the criteria of these settings now.
 	bool   meets(const Settings& settings) { return measure().met(settings); }
 	int    sweeps() const { return stop_.sweeps(); }
+	const Settings& settings() const { return stop_.settings(); } // of this island
 	double meanForceChange() const { return stop_.criteria().meanForceChange; }
 
 private:
@@ -42,6 +43,7 @@ private:
 struct IslandEnd {
 	int    sweeps;
 	double meanForceChange; // of the last evaluation [-]
+	double velocityFloor;   // of its settings [-]
 	/// ‖Δp‖² over the last `probeSweeps` sweeps. Infinite unless the island used all iterations.
 	double change2;
 };
@@ -65,10 +67,12 @@ Report solveBySweeps(
 		packed.forEachIsland([&](PackedIsland&& island) {
 			IslandStop stop(island, settings);
 			iterate(island, stop);
-			const bool known = island.hasSavedImpulses() && stop.sweeps() == settings.maxIterations;
-			const double change2  = known ? island.changeSinceSaved()
-			                              : std::numeric_limits<double>::infinity();
-			ends[island.number()] = { stop.sweeps(), stop.meanForceChange(), change2 };
+			const Settings& own   = stop.settings();
+			const bool      known = island.hasSavedImpulses() && stop.sweeps() == own.maxIterations;
+			const double    change2 = known ? island.changeSinceSaved()
+			                                : std::numeric_limits<double>::infinity();
+			ends[island.number()]
+			        = { stop.sweeps(), stop.meanForceChange(), own.velocityFloor, change2 };
 		});
 		packed.store(problem);
 		report = reportOf(packed, settings, ends);

@@ -164,3 +164,78 @@ def test_a_body_on_a_rail_that_is_struck_gives_way(solver, seed):
     else:
         assert found["converged"]
         np.testing.assert_allclose(found["impulse"][0], expected if approach > 0 else 0, rtol=1e-8)
+
+
+def chain(count):
+    """Discs that fly apart above a floor, from impulses that push them together."""
+    points = [(0, 1, 0, 1, 0, 0, 0, -0.5, 0, 0)]
+    points += [(k, k + 1, 0, 1, 0, 0.5, 0, -0.5, 0, 0) for k in range(1, count)]
+    inverse_mass, velocity = np.tile([1.0, 1, 8], (count + 1, 1)), np.zeros((count + 1, 3))
+    inverse_mass[0], velocity[1:, 1] = 0, 0.1 * np.arange(1, count + 1)
+    problem = problem_of_rows("chain", inverse_mass, velocity, points)
+    problem["impulse"][:, 0] = 1
+    return problem
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("iterations", [1, 3, 10])
+def test_impulses_of_islands_that_start_again_from_zero_are_stored(solver, iterations):
+    problem = beside(chain(30), chain(30))
+    found = problem.solve(solver, max_iterations=iterations)
+    problem["impulse"] = found["impulse"]
+    assert not found["converged"] or _kernel.residual(**problem) <= 1e-4
+
+
+def column(count):
+    """Discs on top of each other that fall onto a floor."""
+    points = [(0, 1, 0, 1, 0, 0, 0, -0.5, 0, 0.5)]
+    points += [(k, k + 1, 0, 1, 0, 0.5, 0, -0.5, 0, 0.5) for k in range(1, count)]
+    inverse_mass, velocity = np.tile([1.0, 1, 8], (count + 1, 1)), np.tile([0.0, -1, 0],
+                                                                            (count + 1, 1))
+    inverse_mass[0] = velocity[0] = 0
+    return problem_of_rows("column", inverse_mass, velocity, points)
+
+
+def test_a_small_island_is_solved_as_a_small_problem():
+    alone = column(200).solve("auto")
+    together = beside(column(200), grains_on_a_floor(1200)).solve("auto")
+    assert alone["converged"] and together["converged"]
+    np.testing.assert_array_equal(together["impulse"][:200], alone["impulse"])
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_an_island_whose_impulses_overflow_leaves_the_others_alone(solver):
+    healthy, huge = pile(1), wall_of_bricks(3, 3, 3)
+    huge["impulse"][:, 0] = 1e200
+    found = beside(healthy, huge).solve(solver)
+    alone = healthy.solve(solver)
+    np.testing.assert_array_equal(found["impulse"][: len(healthy["bodies"])], alone["impulse"])
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_residual_zero_meets_the_tolerance_zero(solver):
+    apart = problem_of_rows("apart", [[0, 0, 0], [1, 1, 8]], [[0, 0, 0], [0, 1, 0]],
+                            [(0, 1, 0, 1, 0, 0, 0, -0.5, 0, 0.5)])
+    assert apart.solve(solver, tolerance=0, max_iterations=50)["converged"]
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_residual_of_yielding_contacts_is_that_of_the_given_problem(solver):
+    problem = jammed_box(3, 6, closing=0.3)
+    problem["recovery_bias"] = np.full(len(problem["bodies"]), -0.01)
+    found = problem.solve(solver, yield_compliance=0.01)
+    problem["impulse"] = found["impulse"]
+    assert found["yielded"]
+    del problem["recovery_bias"]
+    assert found["residual"] == pytest.approx(_kernel.residual(**problem), rel=1e-9)
+
+
+@pytest.mark.parametrize("tilt", [0, 1e-8, 1e-5, 1e-3])
+def test_a_lid_that_can_hardly_give_way_is_a_jam(tilt):
+    """Driven along y and free along x: its tilted contacts could push it aside, very fast."""
+    problem, lid = jammed_box(1, 6, closing=0.3), 39
+    problem["inverse_mass"][lid] = 1, 0, 0
+    at_lid = (problem["bodies"] == lid).any(1)
+    sign = np.where(np.arange(at_lid.sum()) % 2, tilt, -tilt)
+    problem["normal"][at_lid] = np.column_stack([sign, np.sqrt(1 - sign**2)])
+    assert problem.solve("auto", yield_compliance=0.01)["yielded"]

@@ -10,6 +10,7 @@ from benchmarks.hard_scenes import driven
 from rcr import particle
 from scenes import build, heap, iterations, material, refused, set_state, solver, steps
 from yade import O
+from yade.wrapper import Body
 
 # The other scenes are too slow, or too short for the message.
 BOUNDS = {"ended", "speed", "force"}
@@ -212,6 +213,17 @@ def test_a_jam_of_fine_grains_is_seen_beside_coarse_ones(name):
     coarse = [rcr.disc((10 + 0.3 * k, -0.9 + 1e-4), 0.1, rough, velocity=(0.1 * k, -1))
               for k in range(30)]
     build(rcr.wall("y", -1, 1, material=rough), *squeeze, *coarse, solver=name, tolerance=1e-4)
+    O.step()
+    assert solver().yielded
+
+
+def test_a_pivot_without_a_shape_has_no_contacts():
+    """Its radius 0 must not enter the bounds of driven scenes."""
+    squeezed(((5, 0), (0, 0)))
+    pivot = Body()
+    pivot.state.mass, pivot.state.inertia = 1, (1, 1, 1)
+    pivot.state.blockedDOFs, pivot.state.angVel = "xyzXY", (0, 0, 3)
+    O.bodies.append(pivot)
     O.step()
     assert solver().yielded
 
