@@ -97,8 +97,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	rcr::YieldBounds bounds = rcr::yieldBoundsOf(step_, workspace_.team());
 	rcr::Settings    first = settingsOfFirstPass(bounds), passSettings = first;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
-		// a solution exists, so no contact may yield
-		if (rcr::restIsAdmissible(step_, bounds.driveSpeed)) passSettings.yielding.compliance = 0;
+		passSettings.solutionExists = rcr::restIsAdmissible(step_, bounds.driveSpeed);
 		solvePass(passSettings);
 		if (pass == mostPasses) {
 			if (timed("undetectedContacts",

@@ -96,11 +96,11 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 {
 	std::vector<Impulse> before; // impulses before the last sweeps or step, to detect divergence
 	const auto           remember = [&] {
-        if (settings.yielding.compliance > 0) before = problem.impulse;
+        if (settings.mayYield()) before = problem.impulse;
 	};
 	Report     report   = swept;
 	const auto mustYield = [&] {
-		report.yielded = settings.yielding.compliance > 0
+		report.yielded = settings.mayYield()
 		        && (exceedsEnergyBound(problem) || isDivergent(problem, before));
 		return report.yielded;
 	};

@@ -93,7 +93,7 @@ static bool exceedsEnergyBound(const ContactProblem& problem, const Report& repo
 static bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings,
         Workspace& workspace)
 {
-	if (settings.yielding.compliance == 0) return false;
+	if (!settings.mayYield()) return false;
 	if (report.yielded || exceedsYieldImpulse(problem, settings)
 	        || closesBlockedContact(problem, settings.roundingVelocity)
 	        || exceedsEnergyBound(problem, report))
@@ -201,7 +201,7 @@ static Report solveRigid(ContactProblem& problem, const std::string& solver,
 		if (swept.converged) return swept;
 	}
 	const Settings steps = remaining(settings, swept);
-	const bool     yieldsAgain = settings.yielding.compliance > 0 && hasYielded(problem);
+	const bool     yieldsAgain = settings.mayYield() && hasYielded(problem);
 	if (yieldsAgain
 	        || (steps.maxIterations > 0 && mustYield(swept, problem, settings, workspace))) {
 		Report report  = swept; // exact steps would take long and find no solution
@@ -245,11 +245,11 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 		return solveYielding(problem, settings, workspace).after(rigid);
 	}
 	// mustYield has tested contacts that may yield
-	const bool mayHaveNoSolution = settings.yielding.compliance == 0 && rigid.converged;
-	if (mayHaveNoSolution // the residual omits a blocked contact, and impulses that grow lower it
-	    && (exceedsEnergyBound(problem, rigid)
-	            || (closesBlockedContact(problem, settings.roundingVelocity)
-	                    && closesBlockedContact(problem, 1e-12 * drivenSpeed(problem)))))
+	if (rigid.converged && !settings.mayYield() && !settings.solutionExists
+	        // the residual omits a blocked contact, and impulses that grow lower it
+	        && (exceedsEnergyBound(problem)
+	                || (closesBlockedContact(problem, settings.roundingVelocity)
+	                        && closesBlockedContact(problem, 1e-12 * drivenSpeed(problem)))))
 		rigid.converged = false;
 	std::vector<std::int32_t> points(problem.points.size());
 	std::iota(points.begin(), points.end(), 0);
@@ -270,14 +270,16 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		        || closesBlocked(problem, c, settings.roundingVelocity);
 	};
 	const auto needsMore = [&](const Report& island, PointIterator first, PointIterator last) {
-		if (mayExceedEnergyBound(island.dissipated, island.mass, island.freeSpeed)
-		        || std::any_of(first, last, mayYield))
+		if (!settings.solutionExists
+		        && (settings.yielding.compliance == 0
+		                || mayExceedEnergyBound(island.dissipated, island.mass, island.freeSpeed)
+		                || std::any_of(first, last, mayYield)))
 			return true;
 		if (island.converged) return false;
 		const bool isSmall = last - first <= smallProblem; // its floor may be finer
 		return (takesExactSteps(solver, settings)
 		               && (isSmall || island.iterations < settings.maxIterations))
-		        || (settings.yielding.compliance > 0 && island.impulseGrowth > divergentGrowth)
+		        || (settings.mayYield() && island.impulseGrowth > divergentGrowth)
 		        || hasPositiveCost(problem, first, last);
 	};
 	std::vector<Report> islands = std::move(report.islands);

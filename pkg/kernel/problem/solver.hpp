@@ -42,6 +42,9 @@ struct Settings {
 	/// (step/yield_bounds.hpp). Compliance 0: contacts never yield.
 	Yielding yielding;
 
+	/// A solution is known to exist: no contact yields, and nothing tests for the lack of one.
+	bool solutionExists = false;
+
 	/// Stop criterion of the paper: relative change of the mean normal impulse between two
 	/// evaluations [-]. The solver stops at the criterion that is met first. A warm start meets
 	/// 1e-3 already at a residual of 1e-2. 0: not used.
@@ -55,6 +58,8 @@ struct Settings {
 	/// The workspace solved this problem last; only biases and impulses may differ. Its packed data
 	/// are reused, and the problem is not checked. A new workspace loads the problem all the same.
 	bool sameProblem = false;
+
+	bool mayYield() const { return yielding.compliance > 0 && !solutionExists; }
 
 	/// Returns true if residual and kinematic error meet their tolerances. Tolerance 0 is never
 	/// met.

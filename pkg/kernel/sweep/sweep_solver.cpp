@@ -26,7 +26,7 @@ static Criteria criteriaOf(
 Settings IslandStop::settingsFor(const PackedIsland& island, const Settings& settings)
 {
 	Settings own = settings.ofIsland ? settings.ofIsland(settings, island.points()) : settings;
-	if (settings.tolerance > 0 && settings.yielding.compliance > 0 && island.hasYielded())
+	if (settings.tolerance > 0 && settings.mayYield() && island.hasYielded())
 		own.maxIterations = std::min(own.maxIterations, sweepsAfterYield);
 	return own;
 }
