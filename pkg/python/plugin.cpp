@@ -65,7 +65,7 @@ py::list advice(const py::object& unionArea)
 	py::list warnings;
 	for (const std::string& text :
 	        { yade::validation::massWarning(scene(), area), yade::validation::overlapWarning(scene()),
-	                yade::validation::dragWarning(scene()) })
+	                yade::validation::dragWarning(scene()), yade::validation::turningWarning(scene()) })
 		if (!text.empty()) warnings.append(text);
 	return warnings;
 }

@@ -39,7 +39,10 @@ void ContactDynamics::action()
 /// Solves this step, and up to 100 following steps in arrays until one requires YADE's objects.
 void ContactDynamics::runSteps(const validation::Engines& engines)
 {
-	energy.belongTo(*scene);
+	if (energy.leavesOtherScene(*scene)) {
+		set<&ContactDynamics::monitor>(StepMonitor {});
+		meanStretchRate = Vector2r::Zero();
+	}
 	rcr::ThreadTeam& team  = workspace_.team();
 	step_.overdamped = overdamped;
 	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();

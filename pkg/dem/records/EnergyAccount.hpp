@@ -9,11 +9,14 @@ namespace yade {
 
 class EnergyAccount {
 public:
-	/// Drops energies of another scene. A new or loaded account takes the first scene as its own.
-	void belongTo(const Scene& scene)
+	/// Drops energies of another scene and returns true if there was one. A new or loaded account
+	/// takes the first scene as its own.
+	bool leavesOtherScene(const Scene& scene)
 	{
-		if (known_ && scene_.lock().get() != &scene) pending_ = {};
+		const bool other = known_ && scene_.lock().get() != &scene;
+		if (other) pending_ = {};
 		scene_ = scene.weak_from_this(), known_ = true;
+		return other;
 	}
 
 	/// Enters the energies of the last step and computes the energies of this step. `impulses`: sum

@@ -52,8 +52,9 @@ void ArraySteps::writeBack(
 		const rcr::Pair& pair = pairs_.all[k];
 		contacts[k] = writeContact(*interaction[k], pair, pairs_.manifold[k], step,
 		        step.bodies[pair.body2].pose());
-		contacts[k].phys->force1 = Vector2r(pair.force[0].n, pair.force[0].t);
-		contacts[k].phys->force2 = Vector2r(pair.force[1].n, pair.force[1].t);
+		const rcr::Manifold& manifold = pairs_.manifold[k];
+		writeForce(*contacts[k].phys, pair.force,
+		        { manifold.points[0].normal, manifold.points[1].normal });
 	});
 	handles.sorted.swap(contacts);
 }

@@ -5,20 +5,25 @@
 
 namespace yade {
 
+void writeForce(CdPhys& phys, const rcr::Impulse (&force)[2], const rcr::Vec2 (&normal)[2])
+{
+	phys.force1      = Vector2r(force[0].n, force[0].t);
+	phys.force2      = Vector2r(force[1].n, force[1].t);
+	phys.normalForce = plane::toSpace(force[0].n * normal[0] + force[1].n * normal[1]);
+	phys.shearForce  = plane::toSpace(force[0].t * perp(normal[0]) + force[1].t * perp(normal[1]));
+}
+
 static void writeForces(const rcr::Step& step, const rcr::StepContact& contact, CdPhys& phys)
 {
-	rcr::Vec2 normal, shear;
-	if (contact.count == 1) phys.force2 = Vector2r::Zero();
+	rcr::Impulse force[2];
+	rcr::Vec2    normal[2];
 	for (int k = 0; k < contact.count; ++k) {
-		const rcr::ContactPoint& c     = step.problem.points[contact.first + k];
-		const rcr::Impulse&      force = step.force[contact.first + k];
-		(k == 0 ? phys.force1 : phys.force2) = Vector2r(force.n, force.t);
-		phys.bias[k]                         = c.bias;
-		normal                               = normal + force.n * c.normal;
-		shear                                = shear + force.t * perp(c.normal);
+		const rcr::ContactPoint& c = step.problem.points[contact.first + k];
+		force[k]                   = step.force[contact.first + k];
+		normal[k]                  = c.normal;
+		phys.bias[k]               = c.bias;
 	}
-	phys.normalForce = plane::toSpace(normal);
-	phys.shearForce  = plane::toSpace(shear);
+	writeForce(phys, force, normal);
 }
 
 /// Writes an added contact as InteractionLoop would have made it.

@@ -13,6 +13,9 @@ std::vector<rcr::Twist> contactImpulses(const rcr::Step&);
 void setFreeVelocity(State&, const rcr::Twist& velocity); // its free components
 void applyCorrection(State&, const rcr::Twist& by);       // displaces a body
 
+/// Writes the forces of both contact points and their sums; a missing point has the force 0.
+void writeForce(CdPhys&, const rcr::Impulse (&force)[2], const rcr::Vec2 (&normal)[2]);
+
 /// Returns the interaction of a pair; creates it if there is none. `shift`: from body 2 to its
 /// image.
 Interaction& interactionOf(Scene&, const rcr::Pair&, rcr::Vec2 shift);

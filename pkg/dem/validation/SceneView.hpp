@@ -76,6 +76,7 @@ std::string recorderBeforeSolver(const View&);
 std::string attributeErrors(const View&);
 std::string timeStep(const View&);
 std::string finiteMotion(const View&);
+std::string contactsWithoutBodies(const View&);
 std::string integrator(const View&);
 std::string timeStepper(const View&);
 std::string firstTimeStep(const View&);

@@ -140,6 +140,30 @@ std::string dragWarning(const Scene& scene)
 	return {};
 }
 
+std::string turningWarning(const Scene& scene)
+{
+	const View  view(scene);
+	const auto* collider = view.first<InsertionSortCollider>();
+	if (view.law != smooth || !collider || collider->verletDist == 0) return {};
+	std::set<Body::id_t> turned; // by an engine
+	for (const auto& engine : scene.engines)
+		if (const auto* by = dynamic_cast<const RotationEngine*>(engine.get()); by && !by->dead)
+			turned.insert(by->ids.begin(), by->ids.end());
+	for (const auto& b : *scene.bodies) {
+		if (!b || !b->shape || b->isClump()) continue;
+		const State&           s     = *b->state;
+		const rcr::PlanarShape shape = plane::shapeOf(*b->shape, s, s.pos.z());
+		const bool turns = s.angVel.z() != 0 || turned.count(b->getId());
+		if (shape.grain() || shape.kind < rcr::PlanarShape::box || !turns
+		    || s.vel.norm() > math::abs(s.angVel.z()) * shape.radius())
+			continue;
+		return bodyNames({ b->getId() })
+		        + " turns about its own centre. YADE's collider sees displacements only, so grains "
+		          "can pass through it; set verletDist=0 of the InsertionSortCollider.";
+	}
+	return {};
+}
+
 /// Material that gives the mass of a body: of a clump its own, or that of its first member.
 static const Material* materialOf(const Body& b, const Scene& scene)
 {

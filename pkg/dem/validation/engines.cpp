@@ -111,6 +111,17 @@ std::string finiteMotion(const View& v)
 	        + "; expected a finite share, 0 for none.";
 }
 
+std::string contactsWithoutBodies(const View& v)
+{
+	for (const auto& i : *v.scene.interactions)
+		if (std::size_t(std::max(i->getId1(), i->getId2())) >= v.scene.bodies->size())
+			return "the contact of bodies #" + std::to_string(i->getId1()) + " and #"
+			        + std::to_string(i->getId2())
+			        + " is left, but not both bodies; call O.interactions.clear() after "
+			          "O.bodies.clear().";
+	return {};
+}
+
 std::string integrator(const View& v)
 {
 	const NewtonIntegrator* newton = v.first<NewtonIntegrator>();

@@ -136,6 +136,7 @@ namespace {
 		{ any,     cellStress },
 		{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
 		{ any,     finiteMotion },
+		{ any,     contactsWithoutBodies },
 		{ rigid,   integrator },
 		{ rigid,   timeStepper },
 		{ smooth,  firstTimeStep },
@@ -289,7 +290,10 @@ bool requireFrictMat(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	for (Body::id_t id : { id1, id2 }) {
 		const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
-		if (dynamic_cast<const FrictMat*>(material.get())) continue;
+		// CohFrictMat is a FrictMat; its cohesion and rolling resistance would have no effect
+		if (dynamic_cast<const FrictMat*>(material.get())
+		    && material->getClassName() != "CohFrictMat")
+			continue;
 		deferError(bodyNames({ id }) + " has "
 		        + (material ? "the material " + material->getClassName()
 		                    : std::string("no material"))
@@ -317,6 +321,8 @@ bool acceptContact(const Interaction& i, const Scene& scene)
 	const View view(scene);
 	Collider*  collider = view.law == rigid ? view.first<Collider>() : nullptr;
 	if (collider && !mayCollide(scene, *collider, i.getId1(), i.getId2())) return false;
+	for (Body::id_t id : { i.getId1(), i.getId2() })
+		if (view.law == rigid && !(*scene.bodies)[id]->isBounded()) return false;
 	thread_local Signature passed; // of the last valid scene
 	const Signature        now = signature(scene);
 	if (now == passed) return true;

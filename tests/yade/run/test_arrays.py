@@ -484,3 +484,31 @@ def test_a_body_that_the_integrator_leaves_out_is_at_rest():
     O.engines[-1].mask = 1
     steps(200)
     assert O.bodies[1].state.vel[0] == pytest.approx(0.5)
+
+
+def test_forces_of_contacts_are_those_of_their_points_after_an_error():
+    """A jam stops the run within steps in arrays."""
+    build(*scenes.walls(material(0.4), x=(0, 0.2), y=[0]),
+          rcr.wall("y", 0.21, -1, velocity=-0.1, material=material(0.4)),
+          *(rcr.particle((0.0125 + 0.025 * i, 0.0125 + 0.025 * j), 0.0124, 0.1, 0.4 * i + j,
+                         material(0.4)) for i in range(8) for j in range(8)),
+          gravity=(0, 0, 0), **SOLVER)
+    refused("jam", O.run, 1000, True, error=RuntimeError)
+    assert solver().model["array_steps"] > 0
+    for i in O.interactions:
+        own = i.phys.force1[0] + i.phys.force2[0]
+        assert i.phys.normalForce.norm() == pytest.approx(own, rel=1e-3)
+
+
+def test_bits_when_bodies_become_unbounded():
+    """A body without a bound gets no new contacts, with and without arrays."""
+    ends = []
+    for arrays in True, False:
+        build(rcr.wall("y", 0, 1, material=material(0.4)), rcr.disc((0, 0.1), 0.1, material(0.4)),
+              rcr.disc((0, 0.35), 0.1, material(0.4)), **SOLVER)
+        solver().tuning = dict(arrays=arrays)
+        O.run(20, True)
+        O.bodies[2].bounded = False
+        O.run(300, True)
+        ends.append(snapshot())
+    np.testing.assert_array_equal(*ends)

@@ -463,3 +463,18 @@ def test_an_exception_leaves_no_trace(fault):
         return snapshot()
 
     assert np.array_equal(run({}), run(fault))
+
+
+@LAWS
+def test_cohesive_materials_are_refused(law):
+    cohesive = w.CohFrictMat(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4,
+                             normalCohesion=1e6, isCohesive=True)
+    build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, 0.0999), 0.1, cohesive), law=law)
+    refused("has the material CohFrictMat .* give it a FrictMat", O.step)
+
+
+def test_contacts_that_outlive_their_bodies_are_refused():
+    grain_on_floor(0)
+    steps(3)
+    O.bodies.clear()
+    refused(r"call O.interactions.clear\(\) after O.bodies.clear\(\)", O.step)

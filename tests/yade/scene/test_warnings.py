@@ -10,6 +10,7 @@ import rcr
 from scenes import (KN, LAWS, build, gaps, grain_on_floor, insert, material, refused, resting,
                     set_state, snapshot, solver, springs, springy, stadium, steps)
 from yade import O, utils
+from yade import wrapper as w
 from yade.wrapper import DragEngine, GlobalStiffnessTimeStepper, LinearDragEngine, PyRunner
 
 
@@ -285,3 +286,34 @@ def test_a_step_without_a_finite_solution_moves_nothing_and_saves_its_problem(
     path = tmp_path / "not-finite-0.npz"
     assert str(path) in told
     assert rcr.problems.load(path).contacts == solver().contactPoints
+
+
+@pytest.mark.parametrize("verlet, drive, warned", [
+    (0.01, "velocity", 1), (0.01, "engine", 1), (0, "velocity", 0), (0.01, "none", 0)])
+def test_an_obstacle_that_turns_unseen_by_the_collider_warns_under_springs(verlet, drive, warned):
+    build(rcr.segment((-0.2, 0), (0.2, 0), material=springy()),
+          rcr.disc((0.15, 0.5), 0.01, springy()), law="smooth", dt=2e-5, gravity=(0, 0, 0))
+    O.engines[1].verletDist = verlet
+    if drive == "velocity":
+        set_state(0, angVel=(0, 0, 2))
+    if drive == "engine":
+        insert(0, w.RotationEngine(ids=[0], rotationAxis=(0, 0, 1), angularVelocity=2))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        O.run(2, True)
+    turns = [str(one.message) for one in told if "turns about its own centre" in str(one.message)]
+    assert len(turns) == warned, turns
+    assert all("set verletDist=0" in text for text in turns)
+
+
+def test_counts_of_an_engine_begin_anew_with_a_new_scene():
+    """A script may give the same engines to a scene after O.reset()."""
+    engines = None
+    for _ in range(2):
+        build(rcr.disc((0, 0), 0.1, material(0.3), fixed=True), rcr.disc((0, 0.2), 0.1, material(0.3)),
+              rcr.disc((0, 0.4), 0.1, material(0.3), fixed=True, velocity=(0, -0.1)),
+              gravity=(0, 0, 0), tolerance=1e-4)
+        engines = engines or O.engines
+        O.engines = engines
+        O.run(5, True)
+        assert solver().yieldedSteps == solver().missedSteps == 5
