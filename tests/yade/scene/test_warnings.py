@@ -285,3 +285,12 @@ def test_a_step_without_a_finite_solution_moves_nothing_and_saves_its_problem(
     path = tmp_path / "not-finite-0.npz"
     assert str(path) in told
     assert rcr.problems.load(path).contacts == solver().contactPoints
+
+
+def test_sizes_of_single_precision_pass_in_silence():
+    """Arrays of other programs often hold float32; NumPy warned of their comparison."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        grain = rcr.particle((0, 0), R=np.float32(0.5), eta=np.float16(0.5), material=material())
+    assert grain.shape.capRadius == 0.25
+    refused("R = inf; expected", rcr.particle, (0, 0), R=np.float32("inf"), eta=0.5)
