@@ -40,7 +40,8 @@ class Profile:
         Number of cells along x and along y. One cell along an axis makes a profile along the other.
     limits : ((float, float), (float, float)), optional
         Lower left and upper right corner [m]; by default the box around the grains of the first
-        frame, or the periodic cell. Grains and contacts outside are ignored.
+        frame, or the periodic cell. Grains and contacts outside are ignored. In a periodic cell
+        the limits span at most the cell, and images count that lie within them.
     """
 
     def __init__(self, cells=(1, 20), limits=None):
@@ -65,17 +66,20 @@ class Profile:
 
         `what` is that of `rcr.frame.Frame.of`, None the present scene of YADE. `reset` starts
         again; else the fields are averages over all frames since the last reset. A ValueError says
-        that there is no grain, or that the first edge of the periodic cell is not along x; or see
-        `Frame.check_unchanged`.
+        that there is no grain, that the first edge of the periodic cell is not along x, or that the
+        limits span more than the cell; or see `Frame.check_unchanged`.
         """
         frame = Frame.of(what)
         frame.check_unchanged()
         if frame.cell is not None and frame.cell[1, 0] != 0:
             raise ValueError("the first edge of the periodic cell is ({:g}, {:g}); expected one "
                              "along x, as the grid's".format(*frame.cell[:, 0]))
-        if reset or self._sums is None:
-            self.limits = _limits(frame) if self._given is None else self._given
-            self._sums, self._moments = {}, 0
+        first = reset or self._sums is None
+        limits = _limits(frame) if first and self._given is None else self._given
+        limits = self.limits if limits is None else limits
+        _check_span(limits, frame)
+        if first:
+            self.limits, self._sums, self._moments = limits, {}, 0
         self._moments += 1
         self._add_grains(frame)
         self._add_contacts(frame)
@@ -165,7 +169,7 @@ class Profile:
     def _add_grains(self, frame):
         free, grains = ~frame.grains["fixed"], frame.free_grains()
         arms, weight = _samples(grains)  # (N, K, 2) and (N, K)
-        place, drift = _into_cell(frame, grains["position"][:, None] + arms)
+        place, drift = self._into_cell(frame, grains["position"][:, None] + arms)
         speed, spin = grains["velocity"][:, None, :2], grains["velocity"][:, None, 2:]
         velocity = speed + spin * np.stack([-arms[..., 1], arms[..., 0]], axis=-1) + drift
         mass = weight * grains["mass"][:, None]
@@ -183,14 +187,28 @@ class Profile:
             pick = bearing & free
             arms, force = contacts[arm][pick], contacts["force"][pick]
             points = contacts["position"][pick][:, None] - along[:, None] * arms[:, None]
-            place, _ = _into_cell(frame, points)
+            place, _ = self._into_cell(frame, points)
             moments = sign * np.einsum("ca,cb->cab", force, arms) / SAMPLES
             moments = np.broadcast_to(moments[:, None], (*place.shape[:2], 2, 2))
             self._deposit(place, moments=moments)
         inner = bearing & free1 & free2
         n = contacts["normal"][inner]
-        place, _ = _into_cell(frame, contacts["position"][inner])
+        place, _ = self._into_cell(frame, contacts["position"][inner])
         self._deposit(place, contacts=np.ones(len(n)), fabric=np.einsum("ca,cb->cab", n, n))
+
+    def _into_cell(self, frame, points):
+        """Move points to their images in the rectangle of the periodic cell at the lower limit.
+
+        Return the images and the velocity of the shift.
+        """
+        if frame.cell is None:
+            return points, np.zeros_like(points)
+        (width, lean), (_, height) = frame.cell
+        (left, bottom), _ = self.limits
+        up = -np.floor((points[..., 1] - bottom) / height)
+        along = -np.floor((points[..., 0] - left + up * lean) / width)
+        shift, drift = frame.shifts(np.stack([along, up], axis=-1))
+        return points + shift, drift
 
     def _deposit(self, place, **values):
         """Add values (…, shape) at places (…, 2) to the sums of their cells."""
@@ -222,6 +240,17 @@ def _limits(frame):
     return _outlines.bounds(grains)
 
 
+def _check_span(limits, frame):
+    """Refuse limits that span more than the periodic cell, since parts would stay empty."""
+    if frame.cell is None:
+        return
+    size, span = np.array([frame.cell[0, 0], frame.cell[1, 1]]), limits[1] - limits[0]
+    if (span > size * (1 + 1e-9)).any():
+        raise ValueError(
+            "the limits span {:g} × {:g} m, the periodic cell {:g} × {:g} m; expected limits within "
+            "a cell; for a mean over changing cells, those of the smallest".format(*span, *size))
+
+
 def _samples(grains):
     """Return points spread evenly over each grain, and the fraction of the grain at each.
 
@@ -235,14 +264,3 @@ def _samples(grains):
     turned = (x + 1j * y) * np.exp(1j * grains["angle"])[:, None]
     points = np.stack([turned.real, turned.imag], axis=-1)
     return points, inside / inside.sum(axis=1, keepdims=True)
-
-
-def _into_cell(frame, points):
-    """Move points into the periodic cell's rectangle; return them and the velocity of the shift."""
-    if frame.cell is None:
-        return points, np.zeros_like(points)
-    (width, lean), (_, height) = frame.cell
-    up = -np.floor(points[..., 1] / height)
-    along = -np.floor((points[..., 0] + up * lean) / width)
-    shift, drift = frame.shifts(np.stack([along, up], axis=-1))
-    return points + shift, drift

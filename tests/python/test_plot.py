@@ -294,6 +294,18 @@ def test_film_of_pictures(tmp_path):
     assert nine.mean() < ten.mean() - 50
 
 
+def test_a_film_needs_pictures_of_one_size(tmp_path):
+    for k, width in ((8, 1), (9, 1), (10, 2), (11, 3)):
+        plot.snapshot(tmp_path / f"p{k}.png", frame(3), limits=((-1, -1), (width, 1)), dpi=30,
+                      color="black" if k == 9 else "white")
+    refused("p8.png has .* pixels, p10.png has .*; expected one size: give the same `limits`",
+            rcr.movie, tmp_path)
+    assert not list(tmp_path.glob("*.gif"))
+    for k in (10, 11):
+        (tmp_path / f"p{k}.png").unlink()
+    assert len(moments_of(rcr.movie(tmp_path))) == 2
+
+
 def stop(*_, **__):
     raise KeyboardInterrupt
 

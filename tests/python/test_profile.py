@@ -94,6 +94,35 @@ def test_a_contact_at_the_edge_of_the_periodic_cell_counts():
     assert profile._sum("contacts").sum() == network.between_particles.sum()
 
 
+def test_limits_anywhere_in_a_periodic_cell():
+    """A grid that is moved by half a cell of the fields holds the same cells, moved too."""
+    network = scene(3, cell=np.array([[10.0, 2.5], [0, 6.0]]))
+    whole = rcr.Profile((4, 2)).compute(network)
+    moved = rcr.Profile((4, 2), ((-5, 0), (5, 6))).compute(network)
+    for field in ("solid_fraction", "velocity", "stress", "coordination"):
+        there = np.roll(getattr(whole, field), 2, axis=0)
+        assert getattr(moved, field) == pytest.approx(there, abs=1e-9), field
+    up = rcr.Profile((1, 2), ((0, -3), (10, 3))).compute(network)
+    layers = rcr.Profile((1, 2)).compute(network)
+    for field in ("solid_fraction", "stress"):
+        there = np.roll(getattr(layers, field), 1, axis=1)
+        assert getattr(up, field) == pytest.approx(there, abs=1e-9), field
+    shear = np.roll(layers.velocity, 1, axis=1) - [[[3.0, 0], [0, 0]]]  # 0.5/s below the cell
+    assert up.velocity == pytest.approx(shear, abs=1e-9)
+
+
+def test_limits_beyond_a_periodic_cell_are_refused():
+    """Those given, and those of a first frame whose cell was larger."""
+    large, small = (scene(4, cell=np.diag([10.0, height])) for height in (6.0, 5.5))
+    words = "limits span 10 × 6 m, the periodic cell 10 × 5.5 m; expected limits within a cell"
+    profile = rcr.Profile((2, 2)).compute(large)
+    before = profile.solid_fraction
+    refused(words, profile.compute, small, reset=False)
+    np.testing.assert_array_equal(profile.solid_fraction, before)  # unchanged
+    assert profile.compute(small).limits[1, 1] == 5.5
+    refused(words, rcr.Profile((2, 2), BOX).compute, small)
+
+
 def test_layers_are_means_of_a_map_and_moments_are_averaged():
     network = scene(1)
     layers, map_ = (rcr.Profile(cells, BOX).compute(network) for cells in ((1, 6), (5, 6)))

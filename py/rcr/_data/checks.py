@@ -16,6 +16,8 @@ def error(name, value, expected):
 
 def number(name, value, expected="a finite number", valid=lambda v: True):
     """Return `value` as a float, if it is a finite real number and `valid(value)` holds."""
+    if isinstance(value, np.floating):
+        value = value.item()  # sys.float_info.max overflows in single precision
     real = isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
     if not real or not abs(value) <= sys.float_info.max or not valid(float(value)):
         raise error(name, value, expected)

@@ -18,7 +18,8 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
     ----------
     folder : path
         Holds networks (``*.h5``), which are drawn in order of time with one scale of colours, or
-        pictures of `rcr.snapshot` (``*.png``), in order of name. A ValueError reports neither.
+        pictures of `rcr.snapshot` (``*.png``), in order of name. A ValueError reports neither, or
+        pictures of different sizes.
     path : path, optional
         ``.gif``, or ``.mp4`` and other formats, for which a ValueError says that ffmpeg is missing;
         by default ``movie.gif`` in the folder.
@@ -87,11 +88,21 @@ def _networks(paths, options):
 
 
 def _pictures(paths, dpi):
-    """Return a figure of the size of the first picture, and a function that draws a picture."""
+    """Return a figure of the pictures' size, a function that draws a picture, and the paths."""
+    from PIL import Image
     from matplotlib.figure import Figure
     from matplotlib.image import imread
 
-    height, width = imread(paths[0]).shape[:2]
+    sizes = []
+    for path in paths:
+        with Image.open(path) as picture:
+            sizes.append(picture.size)
+    width, height = sizes[0]
+    for path, size in zip(paths, sizes):
+        if size != sizes[0]:
+            raise ValueError(
+                f"{paths[0].name} has {width} × {height} pixels, {path.name} has {size[0]} × "
+                f"{size[1]}; expected one size: give the same `limits` to each rcr.snapshot")
     figure = Figure(figsize=(width / dpi, height / dpi))
     ax = figure.add_axes((0, 0, 1, 1))
 

@@ -1,6 +1,7 @@
 """Reads YADE's present scene into the arrays of a `Frame`."""
 
 import math
+import threading
 
 import numpy as np
 from yade.wrapper import (
@@ -24,8 +25,15 @@ _WALLS = dict(id=int, axis=int, position=float)
 
 
 def read():
-    """Return the attributes of the scene's `Frame` as a dict."""
+    """Return the attributes of the scene's `Frame` as a dict.
+
+    A RuntimeError refuses to read within a step, which would mix two states.
+    """
     O = Omega()
+    # Python did not start the thread of a run
+    if O.running and not isinstance(threading.current_thread(), threading._DummyThread):
+        raise RuntimeError("the scene changes while it is read, because a run is under way; "
+                           "pause the run (O.pause()), or call this from a PyRunner")
     grains, centers, z = _grains(O)
     walls, outlines = _obstacles(O, z)
     solvers = (e for e in O.engines if isinstance(e, ContactDynamics))

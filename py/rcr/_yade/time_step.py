@@ -29,8 +29,9 @@ def critical_time_step(points=6):
     The leapfrog is stable for dt ω < 2 (√(1 + ζ²) − ζ). ζ is the damping ratio of this motion: the
     law's ratio, which belongs to one point between two bodies (ω² = 2 k_n/m), times the ratio of
     the frequencies. Tangents have no dashpot. k_n and k_s are the largest of the body's contacts.
-    A body without contacts takes the stiffness that the Ip2 functor will set: the value of a
-    MatchMaker of the kind "val", else k_n = E R and k_s = k_n times `FrictMat.poisson`.
+    A body without contacts takes the stiffness that the Ip2 functor will set: the largest value
+    of its MatchMaker for the body's material and any material of the bodies, else k_n = E R and
+    k_s = k_n times `FrictMat.poisson`.
 
     YADE's PWaveTimeStep supports spheres alone. GlobalStiffnessTimeStepper counts a side-side
     contact of two points as one and ignores the dashpots; give it timestepSafetyCoefficient ≤ 0.4.
@@ -70,8 +71,8 @@ def _stiffnesses(loops):
     functors = [ip2 for loop in loops for ip2 in loop.physDispatcher.functors]
     stock = [ip2 for ip2 in functors if isinstance(ip2, Ip2_FrictMat_FrictMat_FrictPhys)]
     makers = {name: [getattr(ip2, name) for ip2 in stock] for name in ("kn", "ks")}
-    given = {name: next((maker.val for maker in found if maker and maker.algo == "val"), None)
-             for name, found in makers.items()}
+    materials = {body.material.id for body in O.bodies if not body.isClump}
+    matched = {}  # the largest matched value or None, by name and material
     stiffest = {}  # (k_n, k_s) by id of the body
     for i in O.interactions:
         if i.isReal and isinstance(i.phys, FrictPhys):
@@ -81,10 +82,27 @@ def _stiffnesses(loops):
     def stiffness(body):
         kn = body.material.young * sum(lengths(body.shape))
         own = dict(kn=kn, ks=kn * body.material.poisson)
-        future = [own[name] if given[name] is None else given[name] for name in own]
+        future = []
+        for name in own:
+            key = name, body.material.id
+            if key not in matched:
+                matched[key] = _largest_match(makers[name], body.material.id, materials)
+            future.append(own[name] if matched[key] is None else matched[key])
         return stiffest.get(body.id, future)
 
     return stiffness
+
+
+def _largest_match(makers, material, others):
+    """Return the largest value of MatchMakers for a material and others, None without a value."""
+    values = []
+    for maker in filter(None, makers):
+        for other in others:
+            try:
+                values.append(maker(material, other))
+            except ValueError:  # no match; the average of two materials has no values here
+                pass
+    return max(values, default=None)
 
 
 def _stable_step(body, members, kn, ks, points, damping):

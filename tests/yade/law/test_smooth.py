@@ -12,7 +12,7 @@ from scenes import (G, KN, KS, build, engines, gaps, grain_on_floor, inertia, in
                     point_forces, pressed_box, refused, set_state, springs, springy, stadium, steps,
                     velocity, walls)
 from yade import O
-from yade.wrapper import FrictMat, GlobalStiffnessTimeStepper
+from yade.wrapper import FrictMat, GlobalStiffnessTimeStepper, MatchMaker
 
 MU = 0.5
 on_floor = functools.partial(grain_on_floor, friction=MU, make=springs)
@@ -309,6 +309,30 @@ def test_the_critical_time_step_counts_light_clumps_and_lids():
     O.dt = 0.5 * rcr.critical_time_step()
     O.run(3000, True)
     assert O.bodies[lid].state.pos[1] == pytest.approx(0.2, abs=1e-3)
+
+
+def test_the_critical_time_step_reads_matches():
+    """A match counts for its two materials, then the value for other pairs; else E R counts."""
+    steps_of = []
+    for make in (lambda one, two: None,
+                 lambda one, two: MatchMaker(matches=((one.id, two.id, 100 * KN),)),
+                 lambda one, two: MatchMaker(matches=((one.id, one.id, 100 * KN),)),
+                 lambda one, two: MatchMaker(matches=((two.id, two.id, 100 * KN),)),
+                 lambda one, two: MatchMaker(algo="val", val=400 * KN,
+                                             matches=((one.id, one.id, 100 * KN),)),
+                 lambda one, two: MatchMaker(algo="val", val=KN,
+                                             matches=((two.id, one.id, 100 * KN),))):
+        build(law="smooth")
+        one, two = (O.materials[O.materials.append(springy(young=KN / 0.1))] for _ in range(2))
+        O.bodies.append(rcr.disc((0, 0), 0.1, material=one))
+        O.bodies.append(rcr.disc((1, 0), 0.1, material=two, fixed=True))
+        functor = O.engines[2].physDispatcher.functors[0]
+        if maker := make(one, two):
+            functor.kn = functor.ks = maker
+        steps_of.append(rcr.critical_time_step())
+    given = 2 / math.sqrt(12 * 100 * KN * 2 / O.bodies[0].state.mass)  # I = m R²/2, k_s = k_n
+    assert steps_of[1:4] == pytest.approx([given, given, steps_of[0]], rel=1e-9)
+    assert steps_of[4:] == pytest.approx([0.5 * given, given], rel=1e-9)
 
 
 @pytest.mark.parametrize("clumped", [False, True])

@@ -13,7 +13,7 @@ from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
 from rcr.network import OBSTACLE, OTHER
 from scenes import (G, LAWS, box, build, calls, heap, insert, material, plane, pressed_box, python,
-                    refused, set_state, shrinking_cell, springy, stadium, steps)
+                    refused, set_state, shrinking_cell, springy, stadium, steps, wait_until)
 from yade import O
 from yade import wrapper as w
 from yade.minieigenHP import Matrix3
@@ -472,3 +472,25 @@ def test_sides_that_press_at_one_end_are_a_cap_on_a_side():
     contacts = rcr.contact_network().contacts
     pair = (contacts["body1"] == 1) & (contacts["body2"] == 2)
     assert contacts["type"][pair] == [1] and contacts["points"][pair] == [1]
+
+
+def test_a_scene_is_not_read_during_a_step(tmp_path):
+    """A script would read two states; an engine of the run reads one."""
+    heap()
+    found = []
+    yade.read = lambda: found.append(len(rcr.contact_network().contacts["body1"]))
+    O.engines += [w.PyRunner(command="import yade; yade.read()", iterPeriod=10)]
+    reads = (rcr.contact_network, Frame.of, rcr.Profile().compute, rcr.measure.stress_tensors,
+             lambda: rcr.snapshot(tmp_path / "a.png", contacts="force"))
+    O.run()
+    try:
+        for read in reads:
+            refused(r"pause the run \(O.pause\(\)\), or call this from a PyRunner", read,
+                    error=RuntimeError)
+        wait_until(lambda: len(found) > 1)
+    finally:
+        O.pause()
+        del yade.read
+    for read in reads:
+        read()
+    assert found and not O.running

@@ -317,3 +317,12 @@ def test_counts_of_an_engine_begin_anew_with_a_new_scene():
         O.engines = engines
         O.run(5, True)
         assert solver().yieldedSteps == solver().missedSteps == 5
+
+
+def test_sizes_of_single_precision_pass_in_silence():
+    """Arrays of other programs often hold float32; NumPy warned of their comparison."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        grain = rcr.particle((0, 0), R=np.float32(0.5), eta=np.float16(0.5), material=material())
+    assert grain.shape.capRadius == 0.25
+    refused("R = inf; expected", rcr.particle, (0, 0), R=np.float32("inf"), eta=0.5)
