@@ -169,11 +169,12 @@ Report solveYielding(ContactProblem&, const Settings&, Workspace&);
 /// earlier pass of the step yields again unless a few sweeps solve it.
 ///
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
-/// tolerance below 1e-6, exact steps follow sweeps to 1e-5. A problem of up to 1000 points gets
+/// tolerance below 1e-6, exact steps follow sweeps to 1e-5. An island of up to 1000 points gets
 /// exact steps after 300 sweeps. An exact iteration counts as 20 sweeps there, or as one if the
-/// residual already meets its tolerance. Such a problem is also solved with a velocityFloor smaller
+/// residual already meets its tolerance. Such an island is also solved with a velocityFloor smaller
 /// by 1000, at limited cost. `converged` and the kinematic error refer to the given floor, except
-/// `converged` with friction at a tolerance below 1e-6. A stretching cell is swept with momentum, unless nlgs or sor is named.
+/// `converged` with friction at a tolerance below 1e-6. A stretching cell is swept with momentum,
+/// unless nlgs or sor is named.
 ///
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.
