@@ -61,7 +61,8 @@ TABLE = {
     ],
     "problem/solver.cpp": [
         ("islands-judged-together", "swept.islands.size() <= 1", "true"),
-        ("keeps-positive-cost", "rigid.converged || !hasPositiveCost(problem, ", "true || !hasPositiveCost(problem, "),
+        ("keeps-positive-cost", "if (!hasPositiveCost(problem, points.begin()",
+         "if (true || !hasPositiveCost(problem, points.begin()"),
         ("no-cold-start", "problem.impulse.assign(problem.points.size(), {}); // their", "//"),
         ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
         ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),

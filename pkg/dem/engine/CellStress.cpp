@@ -47,7 +47,7 @@ void CellStress::gatherCell(rcr::Step& step) const
 {
 	double grains = 0; // their mass
 	for (const rcr::InverseMass& inverse : step.problem.inverseMass)
-		if (inverse.x > 0 || inverse.y > 0) grains += 1 / std::max(inverse.x, inverse.y);
+		grains += inverse.mass();
 	if (grains == 0) return;
 	rcr::PeriodicCell& cell = step.cell;
 	const rcr::Vec2    size = lengths(cell);

@@ -39,7 +39,8 @@ void ContactDynamics::action()
 /// Solves this step, and up to 100 following steps in arrays until one requires YADE's objects.
 void ContactDynamics::runSteps(const validation::Engines& engines)
 {
-	if (energy.leavesOtherScene(*scene)) {
+	if (validator_.leavesOtherScene(*scene)) {
+		energy = {};
 		set<&ContactDynamics::monitor>(StepMonitor {});
 		meanStretchRate = Vector2r::Zero();
 	}

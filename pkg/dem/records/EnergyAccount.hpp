@@ -9,16 +9,6 @@ namespace yade {
 
 class EnergyAccount {
 public:
-	/// Drops energies of another scene and returns true if there was one. A new or loaded account
-	/// takes the first scene as its own.
-	bool leavesOtherScene(const Scene& scene)
-	{
-		const bool other = known_ && scene_.lock().get() != &scene;
-		if (other) pending_ = {};
-		scene_ = scene.weak_from_this(), known_ = true;
-		return other;
-	}
-
 	/// Enters the energies of the last step and computes the energies of this step. `impulses`: sum
 	/// of the contact impulses on each body [N s, N m s].
 	void enterLast(EnergyTracker& energy, const rcr::Step& step,
@@ -44,9 +34,7 @@ public:
 	}
 
 private:
-	rcr::StepEnergy                   pending_;
-	boost::weak_ptr<const Factorable> scene_;
-	bool                              known_ = false; // the scene
+	rcr::StepEnergy pending_;
 };
 
 } // namespace yade

@@ -29,13 +29,12 @@ bool allowsContact(Scene& scene, const validation::Engines& engines, Body::id_t 
 {
 	if (!validation::mayCollide(scene, *engines.collider, id1, id2)) return false;
 	Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
-	if (!one.isBounded() || !two.isBounded()) return false;
 	bool       swap;
 	const bool supported
 	        = bool(engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap));
 	if (!supported) validation::refuseUnsupported(scene, id1, id2);
-	return supported && dynamic_cast<const FrictMat*>(one.material.get())
-	        && dynamic_cast<const FrictMat*>(two.material.get());
+	return supported && validation::isFrictional(one.material.get())
+	        && validation::isFrictional(two.material.get());
 }
 
 static rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)

@@ -262,6 +262,13 @@ void Validator::checkLastStep(const View& v)
 		       "NewtonIntegrator.");
 }
 
+bool Validator::leavesOtherScene(const Scene& scene)
+{
+	const bool other = hasScene_ && scene_.lock().get() != &scene;
+	scene_ = scene.weak_from_this(), hasScene_ = true;
+	return other;
+}
+
 void Validator::recordNextStep(const Scene& scene)
 {
 	nextStep_ = scene.iter + 1, nextTime_ = scene.time + scene.dt;
@@ -286,14 +293,16 @@ Engines Validator::validate(const Scene& scene)
 	return engines_;
 }
 
+bool isFrictional(const Material* material)
+{
+	return dynamic_cast<const FrictMat*>(material) && material->getClassName() != "CohFrictMat";
+}
+
 bool requireFrictMat(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	for (Body::id_t id : { id1, id2 }) {
 		const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
-		// CohFrictMat is a FrictMat; its cohesion and rolling resistance would have no effect
-		if (dynamic_cast<const FrictMat*>(material.get())
-		    && material->getClassName() != "CohFrictMat")
-			continue;
+		if (isFrictional(material.get())) continue;
 		deferError(bodyNames({ id }) + " has "
 		        + (material ? "the material " + material->getClassName()
 		                    : std::string("no material"))
@@ -307,6 +316,7 @@ bool requireFrictMat(const Scene& scene, Body::id_t id1, Body::id_t id2)
 bool mayCollide(const Scene& scene, Collider& collider, Body::id_t id1, Body::id_t id2)
 {
 	const Body *one = (*scene.bodies)[id1].get(), *two = (*scene.bodies)[id2].get();
+	if (!one->isBounded() || !two->isBounded()) return false;
 #ifdef YADE_MPI
 	return collider.mayCollide(one, two, scene.subdomain);
 #else
@@ -321,8 +331,6 @@ bool acceptContact(const Interaction& i, const Scene& scene)
 	const View view(scene);
 	Collider*  collider = view.law == rigid ? view.first<Collider>() : nullptr;
 	if (collider && !mayCollide(scene, *collider, i.getId1(), i.getId2())) return false;
-	for (Body::id_t id : { i.getId1(), i.getId2() })
-		if (view.law == rigid && !(*scene.bodies)[id]->isBounded()) return false;
 	thread_local Signature passed; // of the last valid scene
 	const Signature        now = signature(scene);
 	if (now == passed) return true;

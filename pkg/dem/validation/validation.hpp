@@ -94,6 +94,8 @@ class Validator {
 public:
 	Engines validate(const Scene&);       // throws the message of sceneError
 	void    recordNextStep(const Scene&); // call it after a step of ContactDynamics
+	/// Returns true at the first call for a scene after calls for another one.
+	bool leavesOtherScene(const Scene&);
 	/// Returns true if the scene is at the end of the recorded step.
 	bool isNextStep(const Scene& scene) const { return scene.iter == nextStep_; }
 	/// Returns true also within the recorded step: in engines after ContactDynamics.
@@ -110,11 +112,17 @@ private:
 	long      nextStep_ = -1; // expected number and time of the next step
 	Real      nextTime_ = 0;
 	Matrix3r  gradient_ = Matrix3r::Zero(); // that NewtonIntegrator was to apply
+
+	boost::weak_ptr<const Factorable> scene_;
+	bool hasScene_ = false; // not in an engine that has just been made or loaded
 };
 
-/// Returns true if YADE's rules of masks and clumps allow a contact of the two bodies.
+/// Returns true if YADE's rules of masks, clumps and bounds allow a contact of the two bodies.
 bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
 
+/// Returns true for a FrictMat. A CohFrictMat is none: its cohesion and rolling resistance would have
+/// no effect.
+bool isFrictional(const Material*);
 /// Returns true if both bodies have a FrictMat; otherwise defers an error to Python.
 bool requireFrictMat(const Scene&, Body::id_t id1, Body::id_t id2);
 /// Returns true if the interaction may become a contact. Its bodies must have a FrictMat, YADE must

@@ -7,8 +7,8 @@
 //
 // Only the overlap beyond the slop counts. In a marginal packing, a contact opens only if other
 // bodies move far and then overlap again. The largest displacement of bodies and walls is therefore
-// bounded, and all displacements are scaled by the same factor. A cell that stretches is displaced with its bodies.
-// Source: Jourdan, Alart and Jean 1998.
+// bounded, and all displacements are scaled by the same factor. A cell that stretches is displaced
+// with its bodies. Source: Jourdan, Alart and Jean 1998.
 #pragma once
 
 #include "problem/solver.hpp"

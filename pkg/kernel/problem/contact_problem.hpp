@@ -44,6 +44,8 @@ struct InverseMass {
 	bool prescribed() const { return x == 0 && y == 0 && rotation == 0; }
 	/// Returns true if the body can move along an axis. A pivot can only turn.
 	bool translates() const { return x > 0 || y > 0; }
+	/// Mass along the axis of the larger inverse mass [kg]; 0: the body does not translate.
+	double mass() const { return translates() ? 1 / std::max(x, y) : 0; }
 };
 
 /// Components (x, y, rotation) of a velocity, displacement, impulse or force of a body.

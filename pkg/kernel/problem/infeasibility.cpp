@@ -8,17 +8,16 @@
 
 namespace rcr {
 
-/// Least response of a wall or a pivot to an impulse, over that to the best placed one. A direction
-/// or lever below a tenth hardly moves it: its speed would be more than ten times that of the point.
+/// Least response of a wall or a pivot to an impulse, over that to the best placed one. A smaller
+/// direction or lever hardly moves it: its speed would be over ten times that of the point.
 constexpr double leastResponse = 0.01;
 
-/// Mass of body 1 of a point. A wall or a pivot has the mass that the point meets. Infinite:
-/// prescribed or blocked.
-static double massAt(const ContactPoint& c, const InverseMass& m)
+/// Mass of a body at a point with this arm and response w_nn of the body alone. A wall or a pivot
+/// has the mass that the point meets. Infinite: prescribed or blocked.
+static double massAt(const InverseMass& m, Vec2 arm, double response)
 {
-	if (m.x > 0 && m.y > 0) return 1 / std::max(m.x, m.y);
-	const double response = delassus(c, m, {}).nn;
-	const double most = m.translates() ? std::max(m.x, m.y) : m.rotation * dot(c.arm1, c.arm1);
+	if (m.x > 0 && m.y > 0) return m.mass();
+	const double most = m.translates() ? std::max(m.x, m.y) : m.rotation * dot(arm, arm);
 	return response > 0 ? 1 / std::max(response, leastResponse * most)
 	                    : std::numeric_limits<double>::infinity();
 }
@@ -31,8 +30,8 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Imp
 		largest = std::max(largest, one.n);
 	const double        none = std::numeric_limits<double>::infinity();
 	std::vector<double> mass(problem.inverseMass.size(), none); // where d acts
-	const auto          include = [&](int body, const ContactPoint& c) {
-        mass[body] = std::min(mass[body], massAt(c, problem.inverseMass[body]));
+	const auto          include = [&](int body, Vec2 arm, double response) {
+        mass[body] = std::min(mass[body], massAt(problem.inverseMass[body], arm, response));
 	};
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		if (d[k].n <= noiseShare * largest) continue;
@@ -40,10 +39,8 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Imp
 		const Impulse       u = freeRelativeVelocity(problem, c);
 		speed2                = std::max(speed2, square(u));
 		opening += std::max(0.0, -c.bias);
-		ContactPoint reversed = c;
-		reversed.arm1         = c.arm2;
-		include(c.body1, c);
-		include(c.body2, reversed);
+		include(c.body1, c.arm1, delassus(c, problem.inverseMass[c.body1], {}).nn);
+		include(c.body2, c.arm2, delassus(c, {}, problem.inverseMass[c.body2]).nn);
 	}
 	const double total = std::accumulate(mass.begin(), mass.end(), 0.0,
 	        [&](double sum, double one) { return one < none ? sum + one : sum; });

@@ -28,9 +28,9 @@ namespace rcr {
 /// friction, and of points that still close.
 double dissipatedEnergy(const ContactProblem&);
 
-/// Share of a point in the cost ½ pᵀWp + p · (u_free + b_n n) [J/m]. Frictionless solutions minimise
-/// the cost; zero impulses cost 0. Impulses of positive cost would add energy to the step. Solvers
-/// that start far from the solution can end with such impulses.
+/// Share of a point in the cost ½ pᵀWp + p · (u_free + b_n n) [J/m]. Frictionless solutions
+/// minimise the cost; zero impulses cost 0. Impulses of positive cost would add energy to the step.
+/// Solvers that start far from the solution can end with such impulses.
 double costOf(const ContactProblem&, std::size_t point);
 
 /// Returns true if 2 √E > 3 V_s, with the dissipated energy E. With d = p and N² = pᵀWp, the bound

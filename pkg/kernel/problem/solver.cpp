@@ -56,10 +56,21 @@ static bool closesBlockedContact(const ContactProblem& problem, double roundingV
 	return std::any_of(problem.points.begin(), problem.points.end(), closes);
 }
 
-static bool exceedsYieldImpulse(const ContactProblem& problem, const Settings& settings)
+/// Returns true if a point must yield, whether its island has converged or not.
+static bool mustYieldAt(const ContactProblem& problem, std::size_t k, const Settings& settings)
 {
-	const auto exceeds = [&](const Impulse& p) { return p.n > settings.yielding.yieldImpulse; };
-	return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
+	return problem.impulse[k].n > settings.yielding.yieldImpulse
+	        || closesBlocked(problem, problem.points[k], settings.roundingVelocity);
+}
+
+using PointIterator = std::vector<std::int32_t>::const_iterator;
+
+/// Returns true if the impulses of these points, those of an island, would add energy to the step.
+static bool hasPositiveCost(const ContactProblem& problem, PointIterator first, PointIterator last)
+{
+	const double cost = std::accumulate(first, last, 0.0,
+	        [&](double sum, std::int32_t k) { return sum + costOf(problem, k); });
+	return !(cost <= 0); // true also if products of large impulses overflow to NaN
 }
 
 /// Returns true if contacts have yielded in an earlier pass of the step.
@@ -94,10 +105,9 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
         Workspace& workspace)
 {
 	if (!settings.mayYield()) return false;
-	if (report.yielded || exceedsYieldImpulse(problem, settings)
-	        || closesBlockedContact(problem, settings.roundingVelocity)
-	        || exceedsEnergyBound(problem, report))
-		return true;
+	if (report.yielded || exceedsEnergyBound(problem, report)) return true;
+	for (std::size_t k = 0; k < problem.points.size(); ++k)
+		if (mustYieldAt(problem, k, settings)) return true;
 	if (report.converged || settings.tolerance == 0) return false;
 	if (hasYielded(problem)) return true;
 	if (report.impulseGrowth <= divergentGrowth) return false;
@@ -125,13 +135,13 @@ static Settings firstSweepsOfAuto(const Settings& settings, int points)
 static Report sweepTogether(ContactProblem& problem, const std::string& solver,
         const Settings& settings, Workspace& workspace)
 {
-	Settings sweeps = settings;
 	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
 	if (solver == "sor") return solveSor(problem, settings, workspace);
 	if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
 		return solveNesterov(problem, settings, workspace);
 	if (solver == "exact" || isFine(problem, settings))
 		return sweepForExactSteps(problem, settings, workspace);
+	Settings sweeps = settings;
 	sweeps.ofIsland = firstSweepsOfAuto;
 	return solveNesterov(problem, sweeps, workspace);
 }
@@ -185,7 +195,7 @@ static bool takesExactSteps(const std::string& solver, const Settings& settings)
 /// These settings with the iterations that are left after the sweeps.
 static Settings remaining(const Settings& settings, const Report& swept)
 {
-	Settings left = settings;
+	Settings left      = settings;
 	left.maxIterations = std::max(settings.maxIterations - swept.iterations, 0);
 	return left;
 }
@@ -200,7 +210,7 @@ static Report solveRigid(ContactProblem& problem, const std::string& solver,
 		swept = sweepTogether(problem, solver, remaining(settings, swept), workspace).after(swept);
 		if (swept.converged) return swept;
 	}
-	const Settings steps = remaining(settings, swept);
+	const Settings steps       = remaining(settings, swept);
 	const bool     yieldsAgain = settings.mayYield() && hasYielded(problem);
 	if (yieldsAgain
 	        || (steps.maxIterations > 0 && mustYield(swept, problem, settings, workspace))) {
@@ -223,17 +233,6 @@ static Report solveFromZero(ContactProblem& problem, const Settings& settings, W
 	return solveNlgs(problem, sweeps, workspace);
 }
 
-using PointIterator = std::vector<std::int32_t>::const_iterator;
-
-/// Returns true if the impulses of these points, those of an island, would add energy to the step.
-static bool hasPositiveCost(
-        const ContactProblem& problem, PointIterator first, PointIterator last)
-{
-	const double cost = std::accumulate(first, last, 0.0,
-	        [&](double sum, std::int32_t k) { return sum + costOf(problem, k); });
-	return !(cost <= 0); // true also if products of large impulses overflow to NaN
-}
-
 /// Completes the solution of an island, or of a problem with one island, after its sweeps.
 static Report complete(ContactProblem& problem, const std::string& solver, const Settings& settings,
         const Report& swept, Workspace& workspace)
@@ -251,9 +250,10 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	                || (closesBlockedContact(problem, settings.roundingVelocity)
 	                        && closesBlockedContact(problem, 1e-12 * drivenSpeed(problem)))))
 		rigid.converged = false;
+	if (rigid.converged) return rigid;
 	std::vector<std::int32_t> points(problem.points.size());
 	std::iota(points.begin(), points.end(), 0);
-	if (rigid.converged || !hasPositiveCost(problem, points.begin(), points.end())) return rigid;
+	if (!hasPositiveCost(problem, points.begin(), points.end())) return rigid;
 	return solveFromZero(problem, settings, workspace).after(rigid);
 }
 
@@ -265,9 +265,8 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 	workspace.packed().listPoints(begin, points);
 	const auto mayYield = [&](std::int32_t k) {
 		const ContactPoint& c = problem.points[k];
-		return problem.impulse[k].n > settings.yielding.yieldImpulse || problem.hasYielded(c.body1)
-		        || problem.hasYielded(c.body2)
-		        || closesBlocked(problem, c, settings.roundingVelocity);
+		return problem.hasYielded(c.body1) || problem.hasYielded(c.body2)
+		        || mustYieldAt(problem, k, settings);
 	};
 	const auto needsMore = [&](const Report& island, PointIterator first, PointIterator last) {
 		if (!settings.solutionExists
@@ -285,9 +284,9 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 	std::vector<Report> islands = std::move(report.islands);
 	bool                changed = false;
 	for (std::size_t number = 0; number < islands.size(); ++number) {
-		Report&    island = islands[number];
-		const PointIterator first = points.begin() + begin[number],
-		                    last  = points.begin() + begin[number + 1];
+		Report&             island = islands[number];
+		const PointIterator first  = points.begin() + begin[number],
+		                    last   = points.begin() + begin[number + 1];
 		if (!needsMore(island, first, last)) continue;
 		IslandProblem part(problem, { first, last });
 		Workspace     own;

@@ -90,8 +90,8 @@ struct Report {
 	/// Returns true if the residual meets its tolerance. Tolerance 0 is never met.
 	bool meetsResidual(const Settings& s) const { return s.accept(residual, 0); }
 
-	/// Returns true if residual and kinematic error meet their tolerances. Only the residual 0 meets
-	/// the tolerance 0.
+	/// Returns true if residual and kinematic error meet their tolerances. Only the residual 0
+	/// meets the tolerance 0.
 	bool meetsTolerances(const Settings& s) const
 	{
 		return s.accept(residual, kinematicError) || (s.tolerance == 0 && residual == 0);
@@ -103,8 +103,6 @@ struct Report {
 		Report both = *this;
 		both.iterations += before.iterations;
 		both.work += before.work;
-		for (Report& island : both.islands)
-			island.iterations += before.iterations;
 		return both;
 	}
 

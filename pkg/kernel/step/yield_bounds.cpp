@@ -65,18 +65,15 @@ YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 	int    bodies = 0;
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const InverseMass& inverse = problem.inverseMass[id];
-		if (inverse.prescribed()) continue;
-		if (!inverse.translates() && step.bodies[id].radius == 0) continue; // has no contacts
+		const bool         pivot   = !inverse.translates();
+		const double       lever   = leastLever * step.bodies[id].radius; // of a pivot
+		if (inverse.prescribed() || (pivot && lever == 0)) continue; // without a radius, no contacts
 		const Twist &v = problem.freeVelocity[id], &before = step.bodies[id].velocity;
-		const double lever = inverse.translates() ? 0 : leastLever * step.bodies[id].radius;
 		const auto   speed = [&](const Twist& u) {
-            return inverse.translates()
-			          ? norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 })
-			          : lever * std::abs(u.rotation);
+            return pivot ? lever * std::abs(u.rotation)
+			             : norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 });
 		};
-		const double mass = 1
-		        / (inverse.translates() ? std::max(inverse.x, inverse.y)
-		                                : inverse.rotation * lever * lever);
+		const double mass = pivot ? 1 / (inverse.rotation * lever * lever) : inverse.mass();
 		++bodies;
 		total += mass;
 		const double own = mass * (bounds.driveSpeed + speed(v));

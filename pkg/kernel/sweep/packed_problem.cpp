@@ -76,11 +76,9 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 			addToOverflow(problem, pairs[layout_.overflow()[k]], island.halfRecords);
 		states_[number].overflow.end = int(overflow_.size());
 	}
-	for (std::size_t body = 0; body < problem.inverseMass.size(); ++body) {
-		const InverseMass& m = problem.inverseMass[body];
-		if (layout_.island(int(body)) != none && m.translates())
-			states_[layout_.island(int(body))].mass += 1 / std::max(m.x, m.y);
-	}
+	for (std::size_t body = 0; body < problem.inverseMass.size(); ++body)
+		if (const int island = layout_.island(int(body)); island != none)
+			states_[island].mass += problem.inverseMass[body].mass();
 	findYielded(problem);
 	forEachIsland([](PackedIsland&& island) {
 		island.prepare();
@@ -94,8 +92,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 void PackedProblem::findYielded(const ContactProblem& problem)
 {
 	for (std::size_t body = 0; body < problem.yielded.size(); ++body)
-		if (problem.yielded[body] && layout_.island(int(body)) != none)
-			states_[layout_.island(int(body))].hasYielded = true;
+		if (const int island = layout_.island(int(body)); island != none && problem.yielded[body])
+			states_[island].hasYielded = true;
 }
 
 void PackedProblem::listPoints(
@@ -103,8 +101,8 @@ void PackedProblem::listPoints(
 {
 	listByKey(layout_.islands().size(), begin, points, [&](auto add) {
 		for (const PackedPair& pair : layout_.pairs())
-			for (int k = 0; k < pair.points; ++k)
-				if (const int island = layout_.islandOf(pair); island != none)
+			if (const int island = layout_.islandOf(pair); island != none)
+				for (int k = 0; k < pair.points; ++k)
 					add(island, pair.firstPoint + k);
 	});
 }

@@ -99,7 +99,7 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 		islands.push_back(sums[k].report(own));
 		Report&        island = islands.back();
 		const Criteria criteria { island.residual, island.kinematicError, ends[k].meanForceChange };
-		island.converged  = criteria.met(settings) || island.meetsTolerances(settings);
+		island.converged = criteria.met(settings) || island.meetsTolerances(settings);
 		island.iterations = ends[k].sweeps;
 		island.work       = double(ends[k].sweeps) * sums[k].points;
 		if (island.converged) sums[k].change2 = 0;

@@ -21,11 +21,9 @@ public:
 		return stop_.mustStop(
 		        stop_.sweeps() == 1 && island_.points() == 1, [this] { return measure(); });
 	}
-	/// Returns true if the island meets the criteria of these settings now.
-	bool   meets(const Settings& settings) { return measure().met(settings); }
-	int    sweeps() const { return stop_.sweeps(); }
+	int             sweeps() const { return stop_.sweeps(); }
 	const Settings& settings() const { return stop_.settings(); } // of this island
-	double meanForceChange() const { return stop_.criteria().meanForceChange; }
+	double          meanForceChange() const { return stop_.criteria().meanForceChange; }
 
 private:
 	static Settings settingsFor(const PackedIsland&, const Settings&);

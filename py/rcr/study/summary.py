@@ -19,8 +19,8 @@ def summarize(test, include_yielded=False):
 
     Means are those of the records in the second half of the strain. Records with a step without a
     solution are left out, unless `include_yielded` is set. Contacts and overlaps are those of the
-    last record; `last_record_left_out` says that the means leave it out. docs/study/biaxial.md describes the
-    keys.
+    last record; `last_record_left_out` says that the means leave it out. docs/study/biaxial.md
+    describes the keys.
     """
     parameters = {name: test.parameters[name] for name in ("eta", "particles", "seed")}
     means = _strength(test, include_yielded)

@@ -5,9 +5,9 @@ What converged must satisfy the laws on each island, with impulses far from over
 
 import numpy as np
 import pytest
-from kernel.contact_problems import errors, jacobian_times, problem_of, velocity, weights
+from kernel.contact_problems import (SOLVERS, errors, jacobian_times, problem_of, velocity,
+                                     weights)
 
-SOLVERS = ["nlgs", "sor", "nesterov", "exact", "auto"]
 BLOCKED = {0: (), 1: (0, 1, 2), 2: (1, 2), 3: (0, 1), 4: (2,)}  # kind: blocked directions
 
 

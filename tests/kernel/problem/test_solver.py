@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (assert_laws, assert_same_bits, assert_solved, beside,
+from kernel.contact_problems import (SOLVERS, assert_laws, assert_same_bits, assert_solved, beside,
                                      frictionless, grains_on_a_floor, jammed_box, kinetic_energy,
                                      parts_of, pile, problem_of_rows, stored, wall_of_bricks)
 from rcr import _kernel
-
-SOLVERS = ["nlgs", "sor", "nesterov", "exact", "auto"]
 
 
 def scaled(problem, mass, speed):
@@ -166,13 +164,18 @@ def test_a_body_on_a_rail_that_is_struck_gives_way(solver, seed):
         np.testing.assert_allclose(found["impulse"][0], expected if approach > 0 else 0, rtol=1e-8)
 
 
-def chain(count):
-    """Discs that fly apart above a floor, from impulses that push them together."""
-    points = [(0, 1, 0, 1, 0, 0, 0, -0.5, 0, 0)]
-    points += [(k, k + 1, 0, 1, 0, 0.5, 0, -0.5, 0, 0) for k in range(1, count)]
+def column(count, velocities, friction):
+    """Discs on top of each other above a floor, with these velocities along y."""
+    points = [(k, k + 1, 0, 1, 0, 0.5 if k else 0, 0, -0.5, 0, friction)
+              for k in range(count)]
     inverse_mass, velocity = np.tile([1.0, 1, 8], (count + 1, 1)), np.zeros((count + 1, 3))
-    inverse_mass[0], velocity[1:, 1] = 0, 0.1 * np.arange(1, count + 1)
-    problem = problem_of_rows("chain", inverse_mass, velocity, points)
+    inverse_mass[0], velocity[1:, 1] = 0, velocities
+    return problem_of_rows("column", inverse_mass, velocity, points)
+
+
+def pressed_apart(count):
+    """Discs that fly apart, from impulses that push them together."""
+    problem = column(count, 0.1 * np.arange(1, count + 1), friction=0)
     problem["impulse"][:, 0] = 1
     return problem
 
@@ -180,25 +183,16 @@ def chain(count):
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("iterations", [1, 3, 10])
 def test_impulses_of_islands_that_start_again_from_zero_are_stored(solver, iterations):
-    problem = beside(chain(30), chain(30))
+    problem = beside(pressed_apart(30), pressed_apart(30))
     found = problem.solve(solver, max_iterations=iterations)
     problem["impulse"] = found["impulse"]
     assert not found["converged"] or _kernel.residual(**problem) <= 1e-4
 
 
-def column(count):
-    """Discs on top of each other that fall onto a floor."""
-    points = [(0, 1, 0, 1, 0, 0, 0, -0.5, 0, 0.5)]
-    points += [(k, k + 1, 0, 1, 0, 0.5, 0, -0.5, 0, 0.5) for k in range(1, count)]
-    inverse_mass, velocity = np.tile([1.0, 1, 8], (count + 1, 1)), np.tile([0.0, -1, 0],
-                                                                            (count + 1, 1))
-    inverse_mass[0] = velocity[0] = 0
-    return problem_of_rows("column", inverse_mass, velocity, points)
-
-
 def test_a_small_island_is_solved_as_a_small_problem():
-    alone = column(200).solve("auto")
-    together = beside(column(200), grains_on_a_floor(1200)).solve("auto")
+    falling = column(200, -1.0, friction=0.5)
+    alone = falling.solve("auto")
+    together = beside(falling, grains_on_a_floor(1200)).solve("auto")
     assert alone["converged"] and together["converged"]
     np.testing.assert_array_equal(together["impulse"][:200], alone["impulse"])
 

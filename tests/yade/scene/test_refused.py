@@ -473,6 +473,12 @@ def test_cohesive_materials_are_refused(law):
     refused("has the material CohFrictMat .* give it a FrictMat", O.step)
 
 
+def test_a_cohesive_contact_that_forms_in_arrays_is_refused():
+    cohesive = w.CohFrictMat(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4)
+    build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, 0.15), 0.1, cohesive))
+    refused("has the material CohFrictMat", O.run, 400, True)
+
+
 def test_contacts_that_outlive_their_bodies_are_refused():
     grain_on_floor(0)
     steps(3)

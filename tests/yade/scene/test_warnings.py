@@ -308,11 +308,11 @@ def test_an_obstacle_that_turns_unseen_by_the_collider_warns_under_springs(verle
 
 def test_counts_of_an_engine_begin_anew_with_a_new_scene():
     """A script may give the same engines to a scene after O.reset()."""
-    engines = None
+    engines, rough = None, material(0.3)
     for _ in range(2):
-        build(rcr.disc((0, 0), 0.1, material(0.3), fixed=True), rcr.disc((0, 0.2), 0.1, material(0.3)),
-              rcr.disc((0, 0.4), 0.1, material(0.3), fixed=True, velocity=(0, -0.1)),
-              gravity=(0, 0, 0), tolerance=1e-4)
+        build(rcr.disc((0, 0), 0.1, rough, fixed=True), rcr.disc((0, 0.2), 0.1, rough),
+              rcr.disc((0, 0.4), 0.1, rough, fixed=True, velocity=(0, -0.1)), gravity=(0, 0, 0),
+              tolerance=1e-4)
         engines = engines or O.engines
         O.engines = engines
         O.run(5, True)
