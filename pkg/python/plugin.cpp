@@ -63,9 +63,9 @@ py::list advice(const py::object& unionArea)
 		return py::extract<double>(unionArea(members));
 	};
 	py::list warnings;
-	for (const std::string& text :
-	        { yade::validation::massWarning(scene(), area), yade::validation::overlapWarning(scene()),
-	                yade::validation::dragWarning(scene()), yade::validation::turningWarning(scene()) })
+	using namespace yade::validation;
+	for (const std::string& text : { massWarning(scene(), area), overlapWarning(scene()),
+	             dragWarning(scene()), turningWarning(scene()) })
 		if (!text.empty()) warnings.append(text);
 	return warnings;
 }

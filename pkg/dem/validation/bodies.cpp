@@ -195,6 +195,16 @@ static Real planarMass(const Body& b, const Scene& scene, const UnionArea& union
 	return math::abs(b.state->mass - block) <= 1e-9 * block ? mass : 0;
 }
 
+/// What to do about a body of this class whose mass is not that of its area.
+static std::string remedyOfMass(const std::string& shape)
+{
+	if (shape == "Sphere") return "make it by rcr.disc, or change the density of its material.";
+	if (shape == "Box") return "give utils.box the half width 0.5 along z.";
+	if (shape == "Rcr") return "make it by rcr.particle, or change the density of its material.";
+	return "join new bodies by rcr.clump, since YADE's functions on clumps give or keep other "
+	       "masses.";
+}
+
 std::string massWarning(const Scene& scene, const UnionArea& unionArea)
 {
 	constexpr double same = 1e-3; // relative difference that has no effect
@@ -209,17 +219,13 @@ std::string massWarning(const Scene& scene, const UnionArea& unionArea)
 	}
 	if (!first) return {};
 	const std::string shape = first->shape->getClassName();
+	const std::string further = count > 1
+	        ? " (further bodies that differ: " + std::to_string(count - 1) + ')'
+	        : "";
 	return bodyNames({ first->getId() }) + (shape == "Rcr" ? ", an " : ", a ") + shape
-	        + ", has the mass "
-	        + text(first->state->mass, 6) + ", and density × area is " + text(expected, 6)
-	        + " kg per unit depth"
-	        + (count > 1 ? " (further bodies that differ: " + std::to_string(count - 1) + ')' : "")
-	        + ". Its weight and motion follow the former: "
-	        + (shape == "Sphere"      ? "make it by rcr.disc, or change the density of its material."
-	                  : shape == "Box" ? "give utils.box the half width 0.5 along z."
-	                  : shape == "Rcr" ? "make it by rcr.particle, or change the density of its material."
-	                                   : "join new bodies by rcr.clump, since YADE's functions on "
-	                                     "clumps give or keep other masses.");
+	        + ", has the mass " + text(first->state->mass, 6) + ", and density × area is "
+	        + text(expected, 6) + " kg per unit depth" + further
+	        + ". Its weight and motion follow the former: " + remedyOfMass(shape);
 }
 
 void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
