@@ -1,4 +1,5 @@
-# Finds an installed YADE and the headers of the same version.
+# Finds an installed YADE and the headers of the same version. The version of a checkout is unknown
+# where YADE is a release: this is a warning.
 #
 # YADE has no development package. Its headers come from its sources in YADE_SOURCE_DIR. Class
 # layouts depend on the definitions of YADE's build, which follow from the features of the installed
@@ -20,7 +21,11 @@ execute_process(
 	OUTPUT_VARIABLE yade_facts OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 list(POP_FRONT yade_facts YADE_VERSION yade_bits yade_decimals)
 
-if(NOT yade_source_version STREQUAL YADE_VERSION)
+if(yade_source_is_checkout AND NOT YADE_VERSION MATCHES "[.]git-")
+	message(WARNING "YADE_SOURCE_DIR = ${YADE_SOURCE_DIR} is a checkout, ${yade_source_version}; the \
+installed YADE is the release ${YADE_VERSION}. Another version may have classes of another layout: \
+check out the tag ${YADE_VERSION}, and run the tests after the build.")
+elseif(NOT yade_source_version STREQUAL YADE_VERSION)
 	message(FATAL_ERROR "YADE_SOURCE_DIR = ${YADE_SOURCE_DIR} has version ${yade_source_version}, \
 the installed YADE has ${YADE_VERSION}. Give the sources of version ${YADE_VERSION}.")
 endif()

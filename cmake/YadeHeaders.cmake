@@ -1,8 +1,8 @@
 # Finds an installed YADE and its headers without a compiler.
 #
 # Defines YADE_HEADERS_FOUND, yade_config, the Python file with the configuration of the installed
-# YADE, YADE_SOURCE_DIR, its sources, and yade_source_version; or YADE_HEADERS_MISSING, an error
-# message.
+# YADE, YADE_SOURCE_DIR, its sources, yade_source_version, and yade_source_is_checkout if the sources
+# are a checkout without a version; or YADE_HEADERS_MISSING, an error message.
 set(yade_prefix /usr)
 if(DEFINED ENV{YADE_PREFIX})
 	set(yade_prefix "$ENV{YADE_PREFIX}")
@@ -25,6 +25,7 @@ else()
 	if(EXISTS "${YADE_SOURCE_DIR}/RELEASE")
 		file(STRINGS "${YADE_SOURCE_DIR}/RELEASE" yade_source_version LIMIT_COUNT 1)
 	else() # a checkout, which YADE's build names DATE.git-COMMIT with seven digits
+		set(yade_source_is_checkout TRUE)
 		execute_process(
 			COMMAND git -C "${YADE_SOURCE_DIR}" log -1 --date=short --format=%ad.git-%H
 			OUTPUT_VARIABLE yade_source_version)

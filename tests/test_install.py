@@ -54,21 +54,50 @@ def test_debians_own_folder_under_usr(tmp_path):
                         if path.suffix in (".py", ".table")}
 
 
-@needs_build
-def test_features_of_a_yade_of_the_user_are_defined(tmp_path):
-    """They change the layouts of classes."""
+@pytest.fixture
+def own_yade(tmp_path):
+    """Writes the configuration of a YADE in tmp_path, whose sources are there too."""
     config = tmp_path / "lib" / "yade-1.2" / "py" / "yade" / "config.py"
     for file in (config, tmp_path / "core" / "Scene.hpp"):
         file.parent.mkdir(parents=True)
         file.touch()
     (tmp_path / "RELEASE").write_text("1.2\n")
+
+    def write(version="1.2", features=()):
+        config.write_text(f"version, features = '{version}', {list(features)}\n"
+                          "highPrecisionBits, highPrecisionDecimalPlaces = 64, 15\n")
+        return ("cmake", "-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build",
+                f"-DYADE_PREFIX={tmp_path}", f"-DYADE_SOURCE_DIR={tmp_path}")
+    return write
+
+
+@needs_build
+def test_headers_of_another_version_are_refused(own_yade):
+    assert "has version 1.2, the installed YADE has 1.1" in " ".join(
+        common.ended(*own_yade("1.1"), code=1).stderr.split())
+
+
+@needs_build
+@pytest.mark.skipif(not shutil.which("git"), reason="needs git")
+def test_headers_of_a_checkout_are_taken_with_a_warning(own_yade, tmp_path):
+    """A checkout of YADE, even of a release, has no file with its version."""
+    (tmp_path / "RELEASE").unlink()
+    author = "-c", "user.name=A", "-c", "user.email=a@b"
+    for command in ["init"], [*author, "commit", "--allow-empty", "-m", "first"]:
+        common.ended("git", "-C", tmp_path, *command)
+    told = " ".join(common.ended(*own_yade("1.2")).stderr.split())
+    assert "the installed YADE is the release 1.2" in told
+    built_elsewhere = own_yade("2020-01-02.git-1234567")
+    assert "has version" in common.ended(*built_elsewhere, code=1).stderr
+
+
+@needs_build
+def test_features_of_a_yade_of_the_user_are_defined(own_yade, tmp_path):
+    """They change the layouts of classes."""
     for features, defined in [("LOGGER", {"YADE_BOOST_LOG", "EIGEN_DONT_ALIGN"}),
                               ("VECTORIZE PROFILING", {"USE_TIMING_DELTAS"}),
                               ("FAST_NATIVE", {"EIGEN_DONT_ALIGN"})]:
-        config.write_text(f"version, features = '1.2', {features.split()}\n"
-                          "highPrecisionBits, highPrecisionDecimalPlaces = 64, 15\n")
-        cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build", YADE_PREFIX=str(tmp_path),
-              YADE_SOURCE_DIR=str(tmp_path))
+        common.ended(*own_yade(features=features.split()))
         ninja = (tmp_path / "build" / "build.ninja").read_text()
         words = "YADE_BOOST_LOG", "USE_TIMING_DELTAS", "EIGEN_DONT_ALIGN"
         assert {word for word in words if f"-D{word}" in ninja} == defined
