@@ -111,7 +111,7 @@ def violations(scene, rigid, springs):
         ended=not rigid.ended,  # by an exception other than the error of a jam
         speed=rigid.fastest > 10 * scene.speed + math.sqrt(2 * G * rigid.fall),
         force=rigid.force > 100 * springs.force,
-        time=rigid.slowest > 10 * rigid.median,
+        step_time=rigid.slowest > 10 * rigid.median,
         false_alarm=rigid.stopped < math.inf and springs_last,
         no_alarm=rigid.stopped == math.inf and crushed + late < rigid.duration,
         late_alarm=math.inf > rigid.stopped > rigid.crushed + late,

@@ -130,7 +130,8 @@ def driven_scenes():
             *(f"{max(map(ratio, chosen)):.2g}" for ratio in ratios),
             sum(row["stopped_rigid"] < math.inf for row in chosen),
             sum(row["crushed_springs"] < math.inf for row in chosen),
-            ", ".join(f"{name} {broken.count(name)}" for name in dict.fromkeys(broken)) or "none"])
+            ", ".join(f"{name.replace('_', ' ')}: {broken.count(name)}" for name in dict.fromkeys(broken))
+            or "none"])
     return table(["motion", "scenes", "with contacts that yield", "speed over its bound",
                   "force over that of springs", "slowest step over the median",
                   "stopped by the error of a jam", "springs crushed", "bounds broken"], lines)
