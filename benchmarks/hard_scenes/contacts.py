@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import rcr
-from rcr.scene import last_problem
+from rcr._yade.last_problem import last_problem
 
 from .stage import (D, G, R, X, box, deepest, flat, flat_row, hard_scene, kinetic, material,
                     on_floor, open_box, positions, real_contacts, solver, stadium, state, tilted,

@@ -85,7 +85,7 @@ if "yade" in sys.modules:
     for _name, _module in _SCENE.items():
         globals()[_name] = getattr(importlib.import_module(f"rcr.{_module}"), _name)
     from rcr._yade import counterparts as _counterparts, session as _session
-    from rcr.scene import save_problem
+    from rcr._yade.last_problem import save_problem
 
     _classes["ContactDynamics"].save = save_problem
     _counterparts.install()

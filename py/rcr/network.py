@@ -9,7 +9,7 @@ Conventions
   −2 bottom, −3 right, −4 top. Another obstacle has −5 minus its id in YADE.
 * A clump moves as one body: branch vectors join centres of mass of clumps, and the contacts of its
   members are counted together.
-* The stress counts all contacts. All other observables count those between grains.
+* Stress and coordination count all contacts. All other observables count those between grains.
 * The ξ-network S(ξ) holds the contacts with f_n ≤ ξ ⟨f_n⟩. Its tensors are divided by the number
   of contacts of the whole network, so that tr F(ξ) = N(ξ)/N.
 * The stress axes give the sign of an anisotropy: a = 2 (X₁₁ − X₂₂)/tr X(∞), with axis 1 along σ₁.

@@ -83,7 +83,8 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     tolerance : float
         Residual at which the solver stops [-]; 0 runs all iterations.
     max_iterations : int
-        Largest number of sweeps, or of pivots of the exact solver with bodies.
+        Largest number of sweeps and of iterations of the exact solver. An exact iteration is a
+        proximal step or a pivot; auto counts it as 20 sweeps in islands of up to 1000 points.
     warm : bool
         Start from the problem's impulses instead of zeros.
     """

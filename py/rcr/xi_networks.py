@@ -7,7 +7,7 @@ X₁₁ − X₂₂ of the tensors:
     n⊗n: cos 2θ        n⊗t: −sin 2θ        f⊗ℓ: Re [(f_n + i f_t)(ℓ_n + i ℓ_t) e^{2iθ}]
 
 Each deviator is the real part of a complex weight times e^{2iθ}. An average
-⟨f_t⟩(θ) = a sin 2θ adds −a with t at +90°, and +a with t at −90°, the sense of the paper's figures.
+⟨f_t⟩(θ) = a sin 2θ contributes −a. The paper's figures have t at −90°, where it contributes +a.
 The anisotropies here are those of the tensors, for which the half-sum holds.
 """
 

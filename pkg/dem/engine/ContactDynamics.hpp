@@ -103,7 +103,7 @@ public:
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by stage, as a dict [s].")
 		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. Each entry of observations restarts these means. docs/solvers.md has an example.")
 		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
-		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for rcr.scene.save_problem.")
+		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for ContactDynamics.save.")
 		.def("_change_since_step",&ContactDynamics::changeSinceStep,"What a script changed since the last step, so that pos − O.dt vel is not the position at its beginning. Before NewtonIntegrator, the velocities differ too. Empty: nothing, or unknown, as O.iter is that of another step.")
 		.def("__dir__",&ContactDynamics::visibleNames)
 	);

@@ -36,7 +36,7 @@ std::string saveNotFinite(const rcr::Step& step, int id, long iteration)
 {
 	const gilLock     lock;
 	const std::string saved = py::extract<std::string>(
-	        py::import("rcr.scene").attr("save_not_finite")());
+	        py::import("rcr._yade.last_problem").attr("save_not_finite")());
 	const rcr::Twist& v = step.problem.velocity[id];
 	return "ContactDynamics: step " + std::to_string(iteration) + " would give "
 	        + validation::bodyNames({ id }) + " the velocity (" + validation::text(v.x) + ", "

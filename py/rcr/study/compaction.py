@@ -8,7 +8,7 @@ collapse
 relaxation
     The packing comes to rest under the load of the walls. Long steps are fast, but grains must
     follow their curved paths: a step displaces no grain by more than 0.1 d, nor by more than 20 d
-    times the unbalance. That factor decreases where the unbalance does not.
+    times the unbalance. The factor 20 d decreases while the unbalance stagnates.
 
 The unbalance is the mean net force of a grain over the mean contact force [-].
 """

@@ -1,4 +1,4 @@
-"""Observables O3 to O18 of one elongation. Needs NumPy, not YADE.
+"""Observables O3 to O18, without the map O9, of one elongation. Needs NumPy, not YADE.
 
 * Exponents are maximum-likelihood fits: α to the forces above the mean, β to those from
   `POWER_RANGE` of it up to it. ``_fit_error`` is the error of the fit. ``_tenth`` is β

@@ -2,8 +2,8 @@
 
 The top wall moves at the rate ε̇ = I/t₀ of the first height. The strain is (h₀ − h)/h₀. A record
 is 0.1 % of strain and gives a row of the history. Up to the strain `approach` the shear is quick:
-`Protocol.quick_inertial_number`. Within `Protocol.slowing_strain` beyond it, the rate falls to one
-at which ρ (v W/h)² is at most the share `sample_inertia` of σ₀ (v: speed of the top wall).
+`Protocol.quick_inertial_number`. Beyond `approach`, the rate falls within `Protocol.slowing_strain`
+until ρ (v W/h)² ≤ `sample_inertia` σ₀ (v: speed of the top wall).
 Needs YADE.
 """
 
