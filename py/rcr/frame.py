@@ -27,7 +27,6 @@ from rcr._pictures import outlines
 from rcr.network import OBSTACLE, Network
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
-CLUMP_STRIPS = 2000  # vertical strips of a clump; the relative error of its area is about 1e-5
 _NO_WALLS = dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
 
 
@@ -157,7 +156,7 @@ class Frame:
         for number in np.unique(clump[clump >= 0]):
             members = clump == number
             clumped = {name: column[members] for name, column in self.grains.items()}
-            union, _, _ = outlines.union(clumped, CLUMP_STRIPS)
+            union, _, _ = outlines.union(clumped)
             own[members] *= union / own[members].sum()
         return own
 

@@ -7,6 +7,7 @@ Masses and forces are per unit depth: kg and N per metre. The functions that mak
 import math
 from collections.abc import Sequence
 
+import numpy as np
 from yade import utils
 from yade.minieigenHP import Quaternion, Vector2, Vector3
 from yade.wrapper import Body, FrictMat, Omega, Rcr, Sphere
@@ -183,3 +184,69 @@ def segment(start, end, material=-1):
     # the ends are the midpoints of two edges
     corners = (2 * start - middle - out, 2 * end - middle - out, middle + out)
     return utils.facet(corners, material=_material(material))
+
+
+def _grain(
+    shape, area, polar_moment, center, angle, material, fixed, color, mask, velocity,
+    angular_velocity,
+):  # fmt: skip
+    """Return a body in the plane with mass and inertia per unit depth."""
+    material = _material(material)
+    expected = "a finite density > 0 [kg/m³]"
+    density = _number("material.density", material.density, expected, _positive)
+    body = Body(shape=shape, material=material)
+    state = body.state
+    state.mass = density * area
+    # the moment about z alone acts, but YADE requires three positive ones
+    state.inertia = Vector3(1, 1, 1) * (density * polar_moment)
+    state.pos = state.refPos = _point("center", center)
+    angle = _number("angle", angle, "a finite angle [rad]")
+    state.ori = state.refOri = Quaternion(Vector3(0, 0, 1), angle)
+    expected = "two components (v_x, v_y) in the plane [m/s]"
+    state.vel = _vector("velocity", velocity, expected, "a finite velocity [m/s]")
+    if state.vel[2] != 0:
+        raise checks.error("velocity", velocity, expected)
+    expected = "a finite angular velocity [1/s]"
+    state.angVel = Vector3(0, 0, _number("angular_velocity", angular_velocity, expected))
+    state.blockedDOFs = "xyzXYZ" if fixed else "zXY"
+    shape.color = Vector3(*color) if color is not None else utils.randomColor()
+    body.mask = mask
+    return body
+
+
+def _positive(value):
+    return value > 0
+
+
+def _material(material):
+    """Return a material from itself, its id or its label."""
+    if material == -1 and len(O.materials) == 0:
+        O.materials.append(utils.defaultMaterial())
+    material = O.materials[material] if isinstance(material, (int, str)) else material
+    if not isinstance(material, FrictMat):
+        raise checks.error("material", material, "a FrictMat, or the id or label of one")
+    return material
+
+
+def _point(name, given):
+    """Return two or three finite coordinates as a Vector3."""
+    expected = "two or three coordinates (x, y) or (x, y, z) [m]"
+    return _vector(name, given, expected, "a finite coordinate [m]")
+
+
+def _vector(name, given, expected, expected_component):
+    """Return two or three finite components as a Vector3."""
+    vector = isinstance(given, (Sequence, np.ndarray, Vector2, Vector3))
+    components = list(given) if vector else []
+    if len(components) not in (2, 3):
+        raise checks.error(name, given, expected)
+    finite = [_number(f"{name}[{k}]", v, expected_component) for k, v in enumerate(components)]
+    return Vector3(*finite, *[0] * (3 - len(finite)))
+
+
+def _outlines_of(bodies):
+    """Return grains as `rcr._pictures.outlines` takes them."""
+    half_length, cap_radius = np.array([lengths(b.shape) for b in bodies]).T.copy()
+    return dict(position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),
+                angle=np.array([angle_of(b.state.ori) for b in bodies]),
+                half_length=half_length, cap_radius=cap_radius)

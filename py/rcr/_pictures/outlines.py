@@ -6,8 +6,7 @@ the long axis [rad], ``half_length`` and ``cap_radius`` (N,) [m]. A disc has the
 
 import numpy as np
 
-UNION_STRIPS = 20_000  # vertical strips of a union; the relative error of its area is about 1e-6
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)  # of a panel of strips
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)  # of the integral over x between two kinks
 
 
 def areas(grains):
@@ -40,12 +39,12 @@ def polygons(grains, points=12):
     return np.stack([z.real, z.imag], axis=-1) + grains["position"][:, None]
 
 
-def union(grains, strips=UNION_STRIPS):
+def union(grains):
     """Return area [m²], centroid (2,) [m] and polar moment about it [m⁴] of the union of grains.
 
-    The integral is exact along y. Along x it is Gauss's over panels between the ends of grains.
+    The integral over y is exact. That over x is Gauss's between kinks of the outline of the union.
     """
-    at, width = _strips(grains, strips)
+    at, width = _lines(grains)
     low, high = _sections(grains, at)
     order = np.argsort(low, axis=0)
     low, high = np.take_along_axis(low, order, axis=0), np.take_along_axis(high, order, axis=0)
@@ -63,19 +62,45 @@ def union(grains, strips=UNION_STRIPS):
     return area, center, polar
 
 
-def _strips(grains, count):
-    """Return x and width of about `count` vertical strips over all grains, (L,) each [m].
+def _lines(grains):
+    """Return x and weight of vertical lines for an integral over x, (L,) each [m].
 
-    No strip contains an end of a grain, so that thin grains have strips of their own. With x =
-    sin t between two ends, the sections of caps are smooth in t.
+    Sections are smooth between two kinks. With x = sin t there, they are also smooth at caps.
     """
     x, reach = grains["position"][:, 0], half_extents(grains)[:, 0]
-    ends = np.unique([x - reach, x + reach])
-    panels = max(1, count // (len(_NODES) * (len(ends) - 1)))
-    t = np.pi / panels * (np.arange(panels)[:, None] + (1 + _NODES) / 2).ravel() - np.pi / 2
-    weight = np.pi / (2 * panels) * np.tile(_WEIGHTS, panels) * np.cos(t)
-    middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
+    kinks = np.concatenate([x - reach, x + reach, *_crossings(grains)])
+    kinks = np.unique(kinks[(kinks >= min(x - reach)) & (kinks <= max(x + reach))])  # no NaN
+    middle, half = (kinks[1:] + kinks[:-1]) / 2, np.diff(kinks) / 2
+    t = np.pi / 2 * _NODES
+    weight = np.pi / 2 * _WEIGHTS * np.cos(t)
     return (middle[:, None] + half[:, None] * np.sin(t)).ravel(), np.outer(half, weight).ravel()
+
+
+def _crossings(grains):
+    """Return abscissas where lines of sides and circles of caps cross or touch; NaN: they do not.
+
+    They include all points at which outlines cross, and the ends of sides.
+    """
+    center, angle = grains["position"] @ [1, 1j], grains["angle"]
+    axis, r = np.exp(1j * angle), grains["cap_radius"]
+    core, side = grains["half_length"] * axis, r * 1j * axis
+    caps, radii = np.concatenate([center - core, center + core]), np.tile(r, 2)
+    sides, along = np.concatenate([center - side, center + side]), np.tile(axis, 2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # line and circle: the foot of the centre on the line, and half the chord
+        foot = sides[:, None] + along[:, None] * ((caps - sides[:, None]) / along[:, None]).real
+        half = np.sqrt(radii**2 - np.abs(foot - caps) ** 2) * along[:, None]
+        # two circles: the foot of the common chord, and half of it
+        way = caps - caps[:, None]
+        share = (1 + (radii[:, None] ** 2 - radii**2) / np.abs(way) ** 2) / 2
+        chord = np.sqrt(radii[:, None] ** 2 - np.abs(share * way) ** 2) * 1j * way / np.abs(way)
+        middle = caps[:, None] + share * way
+        # two lines
+        turned = along / along[:, None]
+        reach = ((sides - sides[:, None]) / along[:, None]).imag
+        lines = sides - along * reach / turned.imag
+    return [points.real.ravel() for points in (foot, foot - half, foot + half, middle - chord,
+                                               middle + chord, lines)]
 
 
 def _sections(grains, x):
