@@ -218,7 +218,7 @@ CHECKS = {
     "docs": (python("docs/build.py"), "site of the pages, without warnings"),
     "slurm": (before, "campaign on SLURM with a cancelled job; results equal those of a local "
               "campaign"),
-    "deb": (before, "Debian package: installed in a clean Debian 13, used by plain yade, removed "
+    "deb": (before, "Debian package: installed in a clean Debian, used by plain yade, removed "
             "completely"),
 }
 VERDICTS = {True: "clean", False: "FAILS", None: "left out"}

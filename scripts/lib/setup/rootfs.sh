@@ -2,6 +2,7 @@
 # enters it. Its files belong to the user, so `rm -rf` removes it.
 
 root=$cache/root-$(packages_id)
+release=trixie # codename of the Debian that is made
 # files of the machine's /etc that are bound over those of the root file system
 machine_files=(resolv.conf hosts hostname localtime machine-id ssl/certs/ca-certificates.crt)
 
@@ -51,14 +52,14 @@ rootfs_mirrors() {
     if [ -n "$codename" ]; then
         known=$(apt-get indextargets --no-release-info \
             --format '$(RELEASE) $(COMPONENT) $(REPO_URI)' 'Created-By: Packages' |
-            awk -v releases="^($codename|oldstable|stable|testing|unstable|sid)\$" '
+            awk -v to="$release" -v from="^($codename|oldstable|stable|testing|unstable|sid)\$" '
                 $2 != "main"      { next }
-                $1 ~ releases     { print $3, "trixie" }
-                $1 ~ "-updates$"  { print $3, "trixie-updates" }
-                $1 ~ "-security$" { print $3, "trixie-security" }' | sort -u) || true
+                $1 ~ from         { print $3, to }
+                $1 ~ "-updates$"  { print $3, to "-updates" }
+                $1 ~ "-security$" { print $3, to "-security" }' | sort -u) || true
         echo "$known" | sed 's/.*/deb & main;/' | tr -d '\n'
         echo
-        echo "$known" | sed -n 's/.* trixie$/deb & main/p'
+        echo "$known" | sed -n "s/.* $release\$/deb & main/p"
     fi
     echo
 }
@@ -151,9 +152,9 @@ rootfs_fill() {
     local sources
     IFS=';' read -ra sources <<<"$1"
     if [ "$(id -u)" = 0 ]; then
-        "${bootstrap[@]}" trixie "$new/tree" "${sources[@]}" 2>&1 | record
+        "${bootstrap[@]}" "$release" "$new/tree" "${sources[@]}" 2>&1 | record
     else
-        { TMPDIR=/var/tmp "${bootstrap[@]}" trixie - "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
+        { TMPDIR=/var/tmp "${bootstrap[@]}" "$release" - "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
             tar -x -C "$new/tree" --exclude='./dev/*' 2>>"$log"
     fi
 }
