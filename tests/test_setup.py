@@ -306,6 +306,16 @@ def test_headers_that_the_user_names_are_used(machine):
     assert "none has no core/Scene.hpp" in machine.refuses(YADE_SOURCE_DIR=f"{machine.path}/none")
 
 
+def test_headers_that_the_user_names_replace_a_root_file_system(machine):
+    machine.root_tools()
+    machine.assert_sets_up("rootfs")
+    machine.installed("2023.02a-1")
+    (machine.path / "core").mkdir()
+    (machine.path / "core" / "Scene.hpp").touch()
+    machine.succeeds("ready; echo $way", "rootfs\n")
+    machine.succeeds("ready; echo $way", "native\n", YADE_SOURCE_DIR=str(machine.path))
+
+
 def test_without_headers_no_package_is_installed(machine):
     machine.user("root", 0)
     machine.bare()

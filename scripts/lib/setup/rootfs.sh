@@ -10,8 +10,8 @@ rootfs_version() { echo 2025.2.0; }
 rootfs_source() { echo /usr/src/yade; }
 rootfs_yade_python() { (cd "$root" && echo usr/lib/*/yade-double/py | sed 's|^|/|'); }
 
-# A complete root file system gets the name $root.
-rootfs_ready() { [ -d "$root" ] && command -v bwrap >/dev/null; }
+# A complete root file system gets the name $root. With YADE_SOURCE_DIR, the machine comes first.
+rootfs_ready() { [ -d "$root" ] && [ -z "${YADE_SOURCE_DIR:-}" ] && command -v bwrap >/dev/null; }
 
 rootfs_possible() {
     case $(uname -m) in
