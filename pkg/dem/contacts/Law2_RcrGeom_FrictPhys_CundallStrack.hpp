@@ -10,7 +10,7 @@
 #pragma once
 
 #include "dem/contacts/RcrGeom.hpp"
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 
 namespace yade {
 
@@ -53,11 +53,11 @@ public:
 
 private:
 	DECLARE_LOGGER;
-	rcr::Impulse pointForce(const FrictPhys&, double dashpot, double overlap, const rcr::Impulse& u,
-	        double tangential);
-	void         applyForce(Body::id_t, const rcr::Twist& force);
+	rcr::LocalVector pointForce(const FrictPhys&, double dashpot, double overlap,
+	        const rcr::LocalVector& u, double tangential);
+	void applyForce(Body::id_t, const rcr::PlanarVector& force);
 	void watchOverlap(const RcrGeom&, const FrictPhys&, const Interaction&);
-	void trackDrive(const State&, const rcr::Twist& force, double dt);
+	void trackDrive(const State&, const rcr::PlanarVector& force, double dt);
 	void trackEnergy(
 	        const FrictPhys&, double overlap, double dashpotWork, double slider, double slip);
 };

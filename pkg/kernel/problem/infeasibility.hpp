@@ -50,6 +50,6 @@ constexpr double divergentGrowth = 0.03; // least relative growth of diverging i
 
 /// Returns true if the impulses grew by at least divergentGrowth since `before`. The growth must
 /// also require a velocity change of more than 3 V_s.
-bool isDivergent(const ContactProblem&, const std::vector<Impulse>& before);
+bool isDivergent(const ContactProblem&, const std::vector<LocalVector>& before);
 
 } // namespace rcr
