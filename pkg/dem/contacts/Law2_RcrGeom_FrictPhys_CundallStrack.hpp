@@ -21,10 +21,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrFrictPhys,FrictPhys,
 		"A :yref:`FrictPhys` with a force per contact point. :yref:`Law2_RcrGeom_FrictPhys_CundallStrack` creates it.",
-		((int,points,0,Attr::readonly,"Number of contact points that carry the forces."))
-		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point, as :yref:`RcrGeom.along` [m]."))
-		((Vector2r,force1,Vector2r::Zero(),Attr::readonly,"Force at the first point on body 2, (normal, tangential) [N]; the tangent is the normal rotated by +90°."))
-		((Vector2r,force2,Vector2r::Zero(),Attr::readonly,"Force at the second point [N].")),
+		RCR_POINT_FORCES,
 		createIndex();
 	);
 	// clang-format on

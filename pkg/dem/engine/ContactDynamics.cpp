@@ -174,7 +174,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
 	return timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::lowerRestitutionOfYielded(step_, nextIsLast))
-			return PassOutcome::yieldedBiasLowered;
+			return PassOutcome::biasChanged;
 		const bool mayRelease = pass <= mostPasses / 2; // later passes release no contacts
 		const bool changed    = rcr::adaptBiases(step_, mayRelease, nextIsLast, double(tolerance),
 		        largeDisplacements_, workspace_.team());

@@ -111,7 +111,7 @@ public:
 	DECLARE_LOGGER;
 private:
 	// Result of a pass. All outcomes but `consistent` require a further pass.
-	enum class PassOutcome { consistent, contactsAdded, yieldedBiasLowered, biasChanged };
+	enum class PassOutcome { consistent, contactsAdded, biasChanged };
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;

@@ -162,7 +162,7 @@ namespace {
 				mass += 1 / block(k).nn;
 				speed = std::max(speed, std::sqrt(square(problem_.freeVelocity[k])));
 			}
-			return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * std::sqrt(mass) * speed;
+			return rcr::exceedsEnergyBound(energy, std::sqrt(mass) * speed);
 		}
 
 		/// Returns true if a point closes that no impulse can open. The residual omits it.
@@ -179,7 +179,7 @@ namespace {
 	private:
 		const DelassusBlock& block(std::size_t k) const { return problem_.block[diagonal_[k]]; }
 
-		/// g of the header.
+		/// g_k of the comment at the top.
 		LocalVector velocityWithoutOwn(std::size_t k) const
 		{
 			LocalVector g   = problem_.freeVelocity[k];
@@ -231,7 +231,6 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 	}
 	Report report;
 	report.iterations = stop.sweeps();
-	report.work       = double(report.iterations) * double(problem.freeVelocity.size());
 	report.residual   = sweeps.measure();
 	report.converged  = report.residual <= settings.tolerance
 	        && !sweeps.closesBlockedPoint() && !sweeps.exceedsEnergyBound();

@@ -47,11 +47,6 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Loc
 	return std::sqrt(total) * (std::sqrt(speed2) + opening);
 }
 
-static bool exceeds(double energy, double velocityScale)
-{
-	return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
-}
-
 /// The bound of the header over V_s [-], for impulses projected onto their cones. Infinity: no
 /// velocities are admissible. 0: this direction gives no bound.
 static double velocityChangeBound(
@@ -95,14 +90,19 @@ double costOf(const ContactProblem& problem, std::size_t k)
 	return 0.5 * (dot(p, u) + dot(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
 }
 
+bool exceedsEnergyBound(double energy, double velocityScale)
+{
+	return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
+}
+
 bool exceedsEnergyBound(const ContactProblem& problem)
 {
-	return exceeds(dissipatedEnergy(problem), velocityScale(problem, problem.impulse));
+	return exceedsEnergyBound(dissipatedEnergy(problem), velocityScale(problem, problem.impulse));
 }
 
 bool mayExceedEnergyBound(double energy, double mass, double freeSpeed)
 {
-	return exceeds(energy, std::sqrt(mass) * freeSpeed);
+	return exceedsEnergyBound(energy, std::sqrt(mass) * freeSpeed);
 }
 
 bool isDivergent(const ContactProblem& problem, const std::vector<LocalVector>& before)

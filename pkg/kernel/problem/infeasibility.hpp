@@ -38,6 +38,9 @@ double costOf(const ContactProblem&, std::size_t point);
 /// detects steps without a solution whose impulses are so large that their relative error is small.
 bool exceedsEnergyBound(const ContactProblem&);
 
+/// The same test for an energy and the velocity scale V_s of its bodies.
+bool exceedsEnergyBound(double energy, double velocityScale);
+
 /// Heuristic filter before exceedsEnergyBound. It uses the mass of all bodies of an island and the
 /// RMS |u_free| of its points. So it may overlook a wedge in a large island.
 bool mayExceedEnergyBound(double energy, double mass, double freeSpeed);
