@@ -9,5 +9,6 @@ PYBIND11_MODULE(_kernel, m)
 	rcr::bindGeometry(m);
 	rcr::bindSolvers(m);
 	rcr::bindInternals(m);
+	rcr::bindStateMachines(m);
 	rcr::bindThreads(m);
 }

@@ -63,8 +63,8 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 
 	ContactProblem problem;
 	problem.inverseMass  = rowsFrom<InverseMass>(inverseMass, "inverse_mass", nb);
-	problem.freeVelocity = rowsFrom<Twist>(given("free_velocity"), "free_velocity", nb);
-	problem.impulse      = rowsFrom<Impulse>(given("impulse"), "impulse", nc);
+	problem.freeVelocity = rowsFrom<PlanarVector>(given("free_velocity"), "free_velocity", nb);
+	problem.impulse      = rowsFrom<LocalVector>(given("impulse"), "impulse", nc);
 	for (py::ssize_t k = 0; k < nc; ++k)
 		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), normal[k], arm1[k], arm2[k],
 		                           bias[k], friction[k], drift[k], shift[k] });
@@ -94,9 +94,9 @@ DelassusProblem delassusFrom(const py::object& givenRowStart, const py::object& 
 	problem.rowStart.assign(rowStart.data(), rowStart.data() + nc + 1);
 	problem.column.assign(column.data(), column.data() + entries);
 	problem.block        = rowsFrom<DelassusBlock>(block, "block", entries);
-	problem.freeVelocity = rowsFrom<Impulse>(free, "free_velocity", nc);
+	problem.freeVelocity = rowsFrom<LocalVector>(free, "free_velocity", nc);
 	problem.friction     = rowsFrom<double>(friction, "friction", nc);
-	problem.impulse      = rowsFrom<Impulse>(impulse, "impulse", nc);
+	problem.impulse      = rowsFrom<LocalVector>(impulse, "impulse", nc);
 	return problem;
 }
 

@@ -62,7 +62,7 @@ template <class Row> Array arrayOf(const std::vector<Row>& rows)
 void bindGeometry(py::module_&);
 void bindSolvers(py::module_&);
 void bindInternals(py::module_&);
-void bindDetectors(py::module_&);
+void bindStateMachines(py::module_&);
 void bindThreads(py::module_&);
 
 } // namespace rcr

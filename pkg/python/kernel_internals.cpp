@@ -17,9 +17,9 @@ namespace {
 		Step step;
 		step.problem = problemFrom(arrays);
 		step.bodies.resize(step.problem.freeVelocity.size());
-		const auto twists = rowsFrom<Twist>(before, "before", step.bodies.size());
-		for (std::size_t id = 0; id < twists.size(); ++id)
-			step.bodies[id].velocity = twists[id];
+		const auto velocities = rowsFrom<PlanarVector>(before, "before", step.bodies.size());
+		for (std::size_t id = 0; id < velocities.size(); ++id)
+			step.bodies[id].velocity = velocities[id];
 		for (const ContactPoint& c : step.problem.points) {
 			double &radius1 = step.bodies[c.body1].radius, &radius2 = step.bodies[c.body2].radius;
 			radius1         = std::max(radius1, norm(c.arm1));
@@ -129,7 +129,6 @@ namespace {
 
 void bindInternals(py::module_& m)
 {
-	bindDetectors(m);
 	m.def(
 	        "residual",
 	        [](const py::kwargs& arrays) { return errorsOf(problemFrom(arrays), 0).residual; },

@@ -59,7 +59,7 @@ namespace {
 			return solve(problem, solver, settings, workspace ? *workspace : own);
 		});
 
-		std::vector<Impulse> relative;
+		std::vector<LocalVector> relative;
 		for (const ContactPoint& c : problem.points)
 			relative.push_back(relativeVelocity(problem, c));
 		results["impulse"]           = arrayOf(problem.impulse);
@@ -104,7 +104,7 @@ void bindSolvers(py::module_& m)
 	m.def(
 	        "solve_coulomb",
 	        [](double nn, double nt, double tt, double gn, double gt, double friction) {
-		        const Impulse p = solveCoulomb({ nn, nt, tt }, gn, gt, friction);
+		        const LocalVector p = solveCoulomb({ nn, nt, tt }, gn, gt, friction);
 		        return py::make_tuple(p.n, p.t);
 	        },
 	        "w_nn"_a, "w_nt"_a, "w_tt"_a, "g_n"_a, "g_t"_a, "friction"_a,
@@ -123,7 +123,7 @@ void bindSolvers(py::module_& m)
 	m.def(
 	        "project_cone",
 	        [](double n, double t, double friction) {
-		        const Impulse p = projectCone({ n, t }, friction);
+		        const LocalVector p = projectCone({ n, t }, friction);
 		        return py::make_tuple(p.n, p.t);
 	        },
 	        "n"_a, "t"_a, "friction"_a, "Projection onto |t| ≤ µ n.");

@@ -6,7 +6,7 @@
 #include "dem/records/Published.hpp"
 #include "dem/records/StepEnd.hpp"
 #include "dem/validation/deferredError.hpp"
-#include "dem/validation/SceneView.hpp"
+#include "dem/validation/SceneQuery.hpp"
 
 namespace py = boost::python;
 
@@ -130,7 +130,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	py::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
 	py::def(
 	        "uses_rcr",
-	        +[] { return yade::validation::View(scene()).law != yade::validation::neither; },
+	        +[] { return yade::validation::SceneQuery(scene()).law != yade::validation::neither; },
 	        "True if the scene holds a law, ContactDynamics or Ip2 of rcr.");
 	py::def("advice", advice,
 	        "Warnings for suspicious scenes, a list of texts. `union_area(ids)`: area of the union\n"

@@ -56,7 +56,7 @@ TABLE = {
         ("scale-overflows", "scale2 <= std::numeric_limits<double>::max()", "true"),
         ("no-scale-of-stopping", "std::max(impulse2, 1e-16 * stopping2)", "impulse2"),
     ],
-    "problem/solver.hpp": [
+    "problem/settings.hpp": [
         ("kinematic-error-ignored", " && error <= kinematicTolerance;", ";"),
     ],
     "problem/solver.cpp": [
@@ -118,7 +118,7 @@ TABLE = {
         ("floats-out-of-range", "(std::abs(value) > 1e-12 && std::abs(value) < 1e12)", "true"),
     ],
     "sweep/packed_problem.cpp": [
-        ("reload-keeps-the-overflow", "c.bias          = biasOf(c.point);", ""),
+        ("reload-keeps-the-overflow", "c.bias              = biasOf(c.point);", ""),
         ("spin-not-scaled-back", "v[record::spin] * inverseGyration_[i]", "v[record::spin]"),
     ],
     "sweep/lane/lane.hpp": [

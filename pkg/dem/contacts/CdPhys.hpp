@@ -1,6 +1,6 @@
 #pragma once
 
-#include "dem/yadeHeaders.hpp"
+#include "dem/contacts/RcrGeom.hpp"
 
 namespace yade {
 
@@ -12,10 +12,7 @@ public:
 		"Rigid contact with Coulomb friction for :yref:`ContactDynamics`, without stiffness (kn = ks = 0). The solver starts the "
 		"next step from the forces of each point. normalForce and shearForce are the sums over the points.",
 		((Real,restitution,0,,"Newton's coefficient of restitution, 0 (plastic) to 1 (elastic) [-]."))
-		((int,points,0,Attr::readonly,"Number of contact points that carry the forces."))
-		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point, as :yref:`RcrGeom.along` [m]."))
-		((Vector2r,force1,Vector2r::Zero(),Attr::readonly,"Force at the first point on body 2, (normal, tangential) [N]; the tangent is the normal rotated by +90°."))
-		((Vector2r,force2,Vector2r::Zero(),Attr::readonly,"Force at the second point [N]."))
+		RCR_POINT_FORCES
 		((Vector2r,bias,Vector2r::Zero(),Attr::readonly,"Bias b_n of each point in 0 ≤ u_n + b_n ⟂ f_n ≥ 0 [m/s].")),
 		createIndex();
 	);

@@ -97,8 +97,8 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 		shift = plane::toPlane(scene->cell->intrShiftPos(interaction->cellDist));
 		drift = plane::toPlane(scene->cell->intrShiftVel(interaction->cellDist));
 	}
-	rcr::Twist onBody1, onBody2; // forces and moments
-	rcr::Vec2  normalForce, shearForce;
+	rcr::PlanarVector onBody1, onBody2; // forces and moments
+	rcr::Vec2         normalForce, shearForce;
 	for (int k = 0; k < manifold.count; ++k) {
 		const rcr::ManifoldPoint& at    = manifold.points[k];
 		Vector2r&                 force = k == 0 ? phys.force1 : phys.force2;
@@ -111,11 +111,12 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 		point.arm1   = at.position - plane::toPlane(state1.pos);
 		point.arm2   = at.position - (plane::toPlane(state2.pos) + shift);
 		point.drift  = drift;
-		const auto u = relativeVelocity(point, plane::twistOf(state1), plane::twistOf(state2));
-		const rcr::Impulse f = pointForce(phys, dashpot, -at.gap, u, double(force[1]));
-		force                = Vector2r(f.n, f.t);
-		normalForce          = normalForce + f.n * at.normal;
-		shearForce           = shearForce + f.t * perp(at.normal);
+		const rcr::LocalVector u = relativeVelocity(
+		        point, plane::velocityOf(state1), plane::velocityOf(state2));
+		const rcr::LocalVector f = pointForce(phys, dashpot, -at.gap, u, double(force[1]));
+		force                    = Vector2r(f.n, f.t);
+		normalForce              = normalForce + f.n * at.normal;
+		shearForce               = shearForce + f.t * perp(at.normal);
 		applyImpulse(point, f, { 1, 1, 1 }, { 1, 1, 1 }, onBody1, onBody2);
 	}
 	watchOverlap(geom, phys, *interaction);
@@ -127,8 +128,8 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 
 /// Force at a point with this overlap [m] and relative velocity. `tangential`: force before the
 /// step.
-rcr::Impulse Law2_RcrGeom_FrictPhys_CundallStrack::pointForce(const FrictPhys& phys, double dashpot,
-        double overlap, const rcr::Impulse& u, double tangential)
+rcr::LocalVector Law2_RcrGeom_FrictPhys_CundallStrack::pointForce(const FrictPhys& phys,
+        double dashpot, double overlap, const rcr::LocalVector& u, double tangential)
 {
 	const double dt = double(scene->dt), kn = double(phys.kn), ks = double(phys.ks),
 	             mu   = double(phys.tangensOfFrictionAngle);
@@ -141,7 +142,7 @@ rcr::Impulse Law2_RcrGeom_FrictPhys_CundallStrack::pointForce(const FrictPhys& p
 	return { n, t };
 }
 
-void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::Twist& force)
+void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::PlanarVector& force)
 {
 	scene->forces.addForce(id, Vector3r(force.x, force.y, 0));
 	scene->forces.addTorque(id, Vector3r(0, 0, force.rotation));
@@ -149,7 +150,7 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::
 	const Body&  body = *Body::byId(id, scene);
 	const State &s    = *body.state,
 	            &owner = body.isClumpMember() ? *Body::byId(body.clumpId, scene)->state : s;
-	rcr::Twist onOwner = force;
+	rcr::PlanarVector onOwner = force;
 	onOwner.rotation += cross(plane::toPlane(s.pos - owner.pos), rcr::Vec2 { force.x, force.y });
 	trackDrive(owner, onOwner, double(scene->dt));
 }
@@ -191,10 +192,10 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::trackEnergy(
 
 /// Work that a contact does on prescribed motion [J]; negative if that motion drives the grains.
 void Law2_RcrGeom_FrictPhys_CundallStrack::trackDrive(
-        const State& s, const rcr::Twist& force, double dt)
+        const State& s, const rcr::PlanarVector& force, double dt)
 {
-	const rcr::Twist v    = plane::twistOf(s);
-	double           work = 0;
+	const rcr::PlanarVector v    = plane::velocityOf(s);
+	double                  work = 0;
 	if (s.blockedDOFs & State::DOF_X) work += force.x * v.x * dt;
 	if (s.blockedDOFs & State::DOF_Y) work += force.y * v.y * dt;
 	if (s.blockedDOFs & State::DOF_RZ) work += force.rotation * v.rotation * dt;

@@ -10,7 +10,7 @@
 #pragma once
 
 #include "dem/contacts/RcrGeom.hpp"
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 
 namespace yade {
 
@@ -21,10 +21,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrFrictPhys,FrictPhys,
 		"A :yref:`FrictPhys` with a force per contact point. :yref:`Law2_RcrGeom_FrictPhys_CundallStrack` creates it.",
-		((int,points,0,Attr::readonly,"Number of contact points that carry the forces."))
-		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point, as :yref:`RcrGeom.along` [m]."))
-		((Vector2r,force1,Vector2r::Zero(),Attr::readonly,"Force at the first point on body 2, (normal, tangential) [N]; the tangent is the normal rotated by +90°."))
-		((Vector2r,force2,Vector2r::Zero(),Attr::readonly,"Force at the second point [N].")),
+		RCR_POINT_FORCES,
 		createIndex();
 	);
 	// clang-format on
@@ -53,11 +50,11 @@ public:
 
 private:
 	DECLARE_LOGGER;
-	rcr::Impulse pointForce(const FrictPhys&, double dashpot, double overlap, const rcr::Impulse& u,
-	        double tangential);
-	void         applyForce(Body::id_t, const rcr::Twist& force);
+	rcr::LocalVector pointForce(const FrictPhys&, double dashpot, double overlap,
+	        const rcr::LocalVector& u, double tangential);
+	void applyForce(Body::id_t, const rcr::PlanarVector& force);
 	void watchOverlap(const RcrGeom&, const FrictPhys&, const Interaction&);
-	void trackDrive(const State&, const rcr::Twist& force, double dt);
+	void trackDrive(const State&, const rcr::PlanarVector& force, double dt);
 	void trackEnergy(
 	        const FrictPhys&, double overlap, double dashpotWork, double slider, double slip);
 };

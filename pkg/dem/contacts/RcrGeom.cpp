@@ -1,7 +1,7 @@
 #include "dem/contacts/RcrGeom.hpp"
 
 #include "dem/validation/validation.hpp"
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/prefetch.hpp"
 
 namespace yade {
@@ -9,7 +9,7 @@ namespace yade {
 void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1,
         const rcr::PlanarShape& two, const rcr::Pose& at2)
 {
-	const double r1 = one.contactRadius(), r2 = two.contactRadius();
+	const double r1 = one.circumscribedRadius(), r2 = two.circumscribedRadius();
 	refR1  = r1 > 0 ? r1 : r2;
 	refR2  = r2;
 	points = m.count;
@@ -51,7 +51,7 @@ bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Sh
 		const bool   image = shift2 != Vector3r::Zero();
 		const double speed = image ? plane::cellOf(*scene).imageSpeed : 0, dt = double(scene->dt);
 		const auto   alert = [&](const rcr::PlanarShape& shape, const State& s) {
-			return rcr::alertDistance(shape, plane::twistOf(s), dt)
+			return rcr::alertDistance(shape, plane::velocityOf(s), dt)
 			        + (image ? rcr::imageReach(shape, speed, dt) : 0);
 		};
 		const double maxGap = force ? std::numeric_limits<double>::max()

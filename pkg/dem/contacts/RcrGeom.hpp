@@ -33,6 +33,15 @@ public:
 };
 REGISTER_SERIALIZABLE(RcrGeom);
 
+// clang-format off
+// Attributes of a FrictPhys with a force per point. A base class would change saved scenes.
+#define RCR_POINT_FORCES \
+	((int,points,0,Attr::readonly,"Number of contact points that carry the forces.")) \
+	((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point, as :yref:`RcrGeom.along` [m].")) \
+	((Vector2r,force1,Vector2r::Zero(),Attr::readonly,"Force at the first point on body 2, (normal, tangential) [N]; the tangent is the normal rotated by +90°.")) \
+	((Vector2r,force2,Vector2r::Zero(),Attr::readonly,"Force at the second point [N]."))
+// clang-format on
+
 /// Carries the forces of a contact from the points of the last step to those of this step. `Phys`:
 /// CdPhys, or RcrFrictPhys.
 template <class Phys> void carryForces(const RcrGeom& geom, Phys& phys)

@@ -1,6 +1,6 @@
 #include "dem/engine/ContactDynamics.hpp"
 
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/ArraySteps.hpp"
 #include "dem/transfer/newContacts.hpp"
 #include "dem/transfer/scatter.hpp"
@@ -39,7 +39,7 @@ void ContactDynamics::action()
 /// Solves this step, and up to 100 following steps in arrays until one requires YADE's objects.
 void ContactDynamics::runSteps(const validation::Engines& engines)
 {
-	if (validator_.leavesOtherScene(*scene)) {
+	if (validator_.hasNewScene(*scene)) {
 		energy = {};
 		set<&ContactDynamics::monitor>(StepMonitor {});
 		meanStretchRate = Vector2r::Zero();
@@ -53,8 +53,8 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 		addUnlistedContacts(*scene, engines, *this, handles_, step_);
 	});
 	try {
-		std::vector<rcr::Twist> impulses;
-		bool                    advanced = false;
+		std::vector<rcr::PlanarVector> impulses;
+		bool                           advanced = false;
 		do {
 			solveStep(engines);
 			impulses = contactImpulses(step_);
@@ -86,8 +86,8 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
-/// an undetected contact closes, or if a bias must change. The last pass is accepted, but the step
-/// has not converged if an undetected contact closes. Settings of a pass start from `first`.
+/// a late contact closes, or if a bias must change. The last pass is accepted, but the step has not
+/// converged if a late contact closes. Settings of a pass start from `first`.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations          = 0;
@@ -104,8 +104,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		passSettings.solutionExists = rcr::restIsAdmissible(step_, bounds.driveSpeed);
 		solvePass(passSettings);
 		if (pass == mostPasses) {
-			if (timed("undetectedContacts",
-			            [&] { return findUndetectedContacts(*scene, engines, step_); }))
+			if (timed("lateContacts", [&] { return findLateContacts(*scene, engines, step_); }))
 				converged = false;
 			if (!overdamped) largeDisplacements_ |= rcr::anyLargeDisplacement(step_);
 			break;
@@ -165,8 +164,7 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 ContactDynamics::PassOutcome ContactDynamics::reviewPass(
         const validation::Engines& engines, int pass)
 {
-	if (timed("undetectedContacts",
-	            [&] { return addUndetectedContacts(*scene, engines, step_); })) {
+	if (timed("lateContacts", [&] { return addLateContacts(*scene, engines, step_); })) {
 		// The last pass is not reviewed, so restitution could add energy. Overdamped steps need
 		// negative biases to remove overlaps.
 		if (pass == mostPasses - 1 && !overdamped) rcr::removeRestitution(step_);
@@ -176,7 +174,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
 	return timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::lowerRestitutionOfYielded(step_, nextIsLast))
-			return PassOutcome::yieldedBiasLowered;
+			return PassOutcome::biasChanged;
 		const bool mayRelease = pass <= mostPasses / 2; // later passes release no contacts
 		const bool changed    = rcr::adaptBiases(step_, mayRelease, nextIsLast, double(tolerance),
 		        largeDisplacements_, workspace_.team());

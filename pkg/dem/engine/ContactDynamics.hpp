@@ -111,7 +111,7 @@ public:
 	DECLARE_LOGGER;
 private:
 	// Result of a pass. All outcomes but `consistent` require a further pass.
-	enum class PassOutcome { consistent, contactsAdded, yieldedBiasLowered, biasChanged };
+	enum class PassOutcome { consistent, contactsAdded, biasChanged };
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;
@@ -128,21 +128,21 @@ private:
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setStartFlow();
 	void          updateMeanStretch();
-	void          observeStep(const std::vector<rcr::Twist>& impulses);
+	void          observeStep(const std::vector<rcr::PlanarVector>& impulses);
 
-	validation::Validator        validator_;
-	rcr::Step                    step_; // the last step
-	SceneHandles                 handles_;
-	rcr::Workspace               workspace_; // threads, colouring and packed arrays
-	std::shared_ptr<ArraySteps>  arraySteps_;
-	std::vector<rcr::Impulse>    warmStart_; // impulses from which the last problem was solved
-	double                       work_ = 0; // sweeps × points of the last step
-	bool                         largeDisplacements_ = false; // of this step
-	StepModel                    model_;
-	StepObserver                 observer_;
-	StageTimes                   times_;
-	mutable std::mutex           attributesMutex_; // guards `solver`, `observe`, `monitor`, `model_`
-	std::atomic<std::thread::id> stepThread_; // it may read the problem during a run
+	validation::Validator         validator_;
+	rcr::Step                     step_; // the last step
+	SceneHandles                  handles_;
+	rcr::Workspace                workspace_; // threads, colouring and packed arrays
+	std::shared_ptr<ArraySteps>   arraySteps_;
+	std::vector<rcr::LocalVector> warmStart_; // impulses from which the last problem was solved
+	double                        work_ = 0; // sweeps × points of the last step
+	bool                          largeDisplacements_ = false; // of this step
+	StepModel                     model_;
+	StepObserver                  observer_;
+	StageTimes                    times_;
+	mutable std::mutex            attributesMutex_; // guards `solver`, `observe`, `monitor`, `model_`
+	std::atomic<std::thread::id>  stepThread_; // it may read the problem during a run
 };
 REGISTER_SERIALIZABLE(ContactDynamics);
 

@@ -25,7 +25,7 @@ void ContactDynamics::monitorStep()
 	if (!warning.empty()) LOG_WARN(warning);
 }
 
-void ContactDynamics::observeStep(const std::vector<rcr::Twist>& impulses)
+void ContactDynamics::observeStep(const std::vector<rcr::PlanarVector>& impulses)
 {
 	const std::vector<int> ids = get<&ContactDynamics::observe>();
 	StepObserver::check(ids, step_, handles_);
@@ -37,7 +37,7 @@ std::string saveNotFinite(const rcr::Step& step, int id, long iteration)
 	const gilLock     lock;
 	const std::string saved = py::extract<std::string>(
 	        py::import("rcr._yade.last_problem").attr("save_not_finite")());
-	const rcr::Twist& v = step.problem.velocity[id];
+	const rcr::PlanarVector& v = step.problem.velocity[id];
 	return "ContactDynamics: step " + std::to_string(iteration) + " would give "
 	        + validation::bodyNames({ id }) + " the velocity (" + validation::text(v.x) + ", "
 	        + validation::text(v.y) + ") and the angular velocity " + validation::text(v.rotation)

@@ -1,7 +1,7 @@
 // Attributes of ContactDynamics: validity, settings of the solver, flow of overdamped bodies.
 #include "dem/engine/ContactDynamics.hpp"
 
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 #include "kernel/step/mean_stretch.hpp"
 
 namespace yade {

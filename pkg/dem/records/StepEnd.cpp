@@ -1,6 +1,6 @@
 #include "dem/records/StepEnd.hpp"
 
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 #include "dem/validation/validation.hpp"
 
 namespace yade {
@@ -20,7 +20,7 @@ static double radiusOf(const Body& b, const Scene& scene, Real z)
 }
 
 std::string changeSince(
-        const Scene& scene, double dt, const std::vector<rcr::Twist>& velocity)
+        const Scene& scene, double dt, const std::vector<rcr::PlanarVector>& velocity)
 {
 	if (double(scene.dt) != dt)
 		return "O.dt is " + validation::text(scene.dt) + ", but was "
@@ -32,7 +32,7 @@ std::string changeSince(
 	for (const auto& b : *scene.bodies) {
 		// new bodies have no forces yet
 		if (!b || b->isClumpMember() || std::size_t(b->getId()) >= velocity.size()) continue;
-		const rcr::Twist change = plane::twistOf(*b->state) - velocity[b->getId()];
+		const rcr::PlanarVector change = plane::velocityOf(*b->state) - velocity[b->getId()];
 		if (dt * rcr::maxSpeed(change, radiusOf(*b, scene, z)) > largestPath * smallest)
 			return "the velocity of " + validation::bodyNames({ b->getId() })
 			        + " differs from that";
@@ -47,7 +47,7 @@ void StepEnd::record(const Scene& scene)
 	dt_    = double(scene.dt);
 	velocity_.assign(scene.bodies->size(), {});
 	for (const auto& b : *scene.bodies)
-		if (b) velocity_[b->getId()] = plane::twistOf(*b->state);
+		if (b) velocity_[b->getId()] = plane::velocityOf(*b->state);
 }
 
 std::string StepEnd::change(const Scene& scene) const

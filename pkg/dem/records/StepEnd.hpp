@@ -11,7 +11,7 @@ namespace yade {
 
 /// First difference of the scene from the time step and the velocities of its last step, by body;
 /// empty: none. Velocities may differ by as much as a position correction moves bodies.
-std::string changeSince(const Scene&, double dt, const std::vector<rcr::Twist>& velocity);
+std::string changeSince(const Scene&, double dt, const std::vector<rcr::PlanarVector>& velocity);
 
 /// The end of a run or step, or the moment after O.load, under any law.
 class StepEnd {
@@ -24,7 +24,7 @@ private:
 	boost::weak_ptr<const Factorable> scene_;
 	long                              iter_ = 0; // no forces before the first step
 	double                            dt_   = 0;
-	std::vector<rcr::Twist>           velocity_; // by body
+	std::vector<rcr::PlanarVector>    velocity_; // by body
 };
 
 } // namespace yade

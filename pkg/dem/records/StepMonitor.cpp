@@ -12,7 +12,7 @@ constexpr double largestStretch = 0.02;
 /// Overlap of a point at the beginning of the step over R₁ + R₂; 0 between two prescribed bodies.
 static double overlapOf(const rcr::Step& step, std::size_t k)
 {
-	const double overlap = rcr::contactSlop * step.gap[k].now / step.gap[k].allowed;
+	const double overlap = rcr::contactSlop * step.gap[k].atStart / step.gap[k].threshold;
 	if (overlap <= 0) return 0;
 	const rcr::ContactPoint& c = step.problem.points[k];
 	return step.problem.prescribed(c.body1) && step.problem.prescribed(c.body2) ? 0 : overlap;
@@ -89,7 +89,8 @@ std::string StepMonitor::count(const rcr::Step& step, const StepOutcome& outcome
 int firstNotFinite(const rcr::Step& step)
 {
 	for (std::size_t id = 0; id < step.bodies.size(); ++id)
-		if (const rcr::Twist& v = step.problem.velocity[id]; !rcr::finite(v.x, v.y, v.rotation))
+		if (const rcr::PlanarVector& v = step.problem.velocity[id];
+		        !rcr::finite(v.x, v.y, v.rotation))
 			return int(id);
 	return -1;
 }
@@ -99,7 +100,7 @@ void checkEnergy(const rcr::Step& step, long iteration)
 	double       kinetic = 0, farthest = 0;
 	std::size_t  fastest = 0;
 	const auto&  problem = step.problem;
-	const auto   twice   = [](const rcr::Twist& v, const rcr::InverseMass& inverse) {
+	const auto   twice   = [](const rcr::PlanarVector& v, const rcr::InverseMass& inverse) {
         const auto part = [](double v, double w) { return w > 0 ? v * v / w : 0; };
         return part(v.x, inverse.x) + part(v.y, inverse.y) + part(v.rotation, inverse.rotation);
 	};
@@ -143,7 +144,7 @@ UnbalancedForce unbalancedForceOf(const rcr::Step& step)
 {
 	double contact = 0, net = 0, largest = 0; // impulses
 	int    closed = 0, free = 0;
-	for (const rcr::Impulse& p : step.problem.impulse) {
+	for (const rcr::LocalVector& p : step.problem.impulse) {
 		contact += p.n;
 		closed += p.n > 0;
 	}
@@ -151,9 +152,9 @@ UnbalancedForce unbalancedForceOf(const rcr::Step& step)
 		const rcr::StepBody& body = step.bodies[id];
 		if (!body.free || !(body.shape.grain() || body.shape.kind == rcr::PlanarShape::none))
 			continue;
-		const rcr::InverseMass& inverse = step.problem.inverseMass[id];
-		const rcr::Twist &      v = step.problem.velocity[id], &before = body.velocity;
-		const rcr::Vec2         change { inverse.x > 0 ? (v.x - before.x) / inverse.x : 0,
+		const rcr::InverseMass&  inverse = step.problem.inverseMass[id];
+		const rcr::PlanarVector &v = step.problem.velocity[id], &before = body.velocity;
+		const rcr::Vec2          change { inverse.x > 0 ? (v.x - before.x) / inverse.x : 0,
             inverse.y > 0 ? (v.y - before.y) / inverse.y : 0 };
 		largest = std::max(largest, norm(change));
 		net += norm(change);

@@ -1,6 +1,6 @@
 #include "dem/records/StepObserver.hpp"
 
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 
 namespace yade {
 
@@ -33,7 +33,8 @@ void StepObserver::setLastPositions(
 }
 
 void StepObserver::record(const StepOutcome& outcome, const std::vector<int>& ids, int interval,
-        const std::vector<rcr::Twist>& impulses, const rcr::Step& step, const SceneHandles& handles)
+        const std::vector<rcr::PlanarVector>& impulses, const rcr::Step& step,
+        const SceneHandles& handles)
 {
 	const std::lock_guard<std::mutex> lock(mutex_);
 	setLastPositions([&](int id) -> std::optional<rcr::Vec2> {
@@ -100,10 +101,10 @@ py::dict StepObserver::dictOf(const Sums& sums, const std::vector<int>& ids)
 {
 	py::dict observed, forces;
 	for (int id : sums.steps > 0 ? sums.ids : ids) {
-		const auto       sum  = sums.force.find(id);
-		const rcr::Twist mean = sum == sums.force.end() ? rcr::Twist {} : sum->second;
-		const double     over = double(std::max(1L, sums.steps));
-		forces[id]            = py::make_tuple(mean.x / over, mean.y / over, mean.rotation / over);
+		const auto              sum  = sums.force.find(id);
+		const rcr::PlanarVector mean = sum == sums.force.end() ? rcr::PlanarVector {} : sum->second;
+		const double            over = double(std::max(1L, sums.steps));
+		forces[id] = py::make_tuple(mean.x / over, mean.y / over, mean.rotation / over);
 	}
 	observed["steps"]          = sums.steps;
 	observed["iterations"]     = sums.iterations;

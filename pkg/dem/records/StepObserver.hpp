@@ -20,7 +20,7 @@ public:
 	/// Adds a step. `interval`: number of steps per entry; 0: no entries. `impulses`: contact
 	/// impulse on each body [N s].
 	void record(const StepOutcome&, const std::vector<int>& ids, int interval,
-	        const std::vector<rcr::Twist>& impulses, const rcr::Step&, const SceneHandles&);
+	        const std::vector<rcr::PlanarVector>& impulses, const rcr::Step&, const SceneHandles&);
 
 	/// Means since the last call.
 	boost::python::dict takeMeans(const std::vector<int>& ids);
@@ -31,11 +31,11 @@ public:
 
 private:
 	struct Sums {
-		std::vector<int>          ids;
-		long                      iteration = 0; // of the last step
-		long                      steps = 0, iterations = 0, missed = 0, yielded = 0;
-		double                    residual = 0, ratioSum = 0, largestRatio = 0;
-		std::map<int, rcr::Twist> force; // by body [N, N m]
+		std::vector<int>                 ids;
+		long                             iteration = 0; // of the last step
+		long                             steps = 0, iterations = 0, missed = 0, yielded = 0;
+		double                           residual = 0, ratioSum = 0, largestRatio = 0;
+		std::map<int, rcr::PlanarVector> force; // by body [N, N m]
 	};
 
 	struct Interval {

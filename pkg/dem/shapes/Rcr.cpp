@@ -1,7 +1,7 @@
 #include "dem/shapes/Rcr.hpp"
 
 #include "dem/validation/validation.hpp"
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 
 namespace yade {
 
@@ -19,6 +19,16 @@ void Rcr::postLoad(Rcr&)
 		reject("halfLength", halfLength, "a finite length ≥ 0");
 }
 
+Vector3r boxWidening(const Scene& scene)
+{
+	Vector3r wider = Vector3r::Ones();
+	if (!scene.isPeriodic || !scene.cell->hasShear()) return wider;
+	for (int axis = 0; axis < 3; ++axis)
+		for (int other : { (axis + 1) % 3, (axis + 2) % 3 })
+			wider[axis] += 0.5 * (1 / scene.cell->getCos()[other] - 1);
+	return wider;
+}
+
 /// Box of the circumscribed circle and the alert distance, both times `factor`; in a sheared cell,
 /// the box in unsheared space. YADE's collider ends the process if a box spans half of a cell, so
 /// the look-ahead is limited there. The step then detects the other contacts.
@@ -27,13 +37,14 @@ static void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3
 {
 	const rcr::PlanarShape planar = plane::shapeOf(shape, *body.state, body.state->pos.z());
 	const Real             radius = factor * planar.radius();
-	Real ahead = factor * rcr::alertDistance(planar, plane::twistOf(*body.state), double(scene.dt));
+	Real ahead
+	        = factor * rcr::alertDistance(planar, plane::velocityOf(*body.state), double(scene.dt));
 	if (!bound) bound = boost::make_shared<Aabb>();
-	const Vector3r wider  = validation::widening(scene);
+	const Vector3r wider  = boxWidening(scene);
 	Vector3r       center = se3.position;
 	if (scene.isPeriodic) {
 		ahead += factor * rcr::imageReach(planar, plane::cellOf(scene).imageSpeed, double(scene.dt));
-		const Real most = validation::largestShare * scene.cell->getSize().minCoeff()
+		const Real most = largestBoxShare * scene.cell->getSize().minCoeff()
 		        / wider.maxCoeff();
 		ahead           = math::max(Real(0), math::min(ahead, most - radius));
 		center          = scene.cell->unshearPt(center);

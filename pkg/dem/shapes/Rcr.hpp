@@ -22,6 +22,14 @@ public:
 };
 REGISTER_SERIALIZABLE(Rcr);
 
+/// Largest half box of a body over the size of a periodic cell. YADE's collider needs boxes of
+/// less than half a cell, with its margin (verletDist).
+constexpr double largestBoxShare = 0.2;
+
+/// Factor by which the box of a circle grows along each axis in the unsheared space of YADE's
+/// collider; 1 without shear.
+Vector3r boxWidening(const Scene&);
+
 class Bo1_Rcr_Aabb : public BoundFunctor {
 public:
 	~Bo1_Rcr_Aabb() override;

@@ -4,7 +4,7 @@
 
 #include "dem/engine/ContactDynamics.hpp"
 #include "dem/engine/WallStress.hpp"
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/newContacts.hpp"
 #include "dem/transfer/prefetch.hpp"
 #include "dem/transfer/scatter.hpp"
@@ -176,7 +176,7 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 }
 
 bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
-        SceneHandles& handles, const std::vector<rcr::Twist>& impulses, rcr::Step& step)
+        SceneHandles& handles, const std::vector<rcr::PlanarVector>& impulses, rcr::Step& step)
 {
 	reason_ = active_ ? std::string() : sceneReason(scene, engines, step);
 	if (reason_.empty()) reason_ = momentaryReason(scene);
@@ -185,7 +185,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	if (!reason_.empty()) return false;
 	const bool first = !active_;
 	if (first) begin(team, handles, step);
-	pairs_.addDetected(step, scene.iter);
+	pairs_.addLateContacts(step, scene.iter);
 	if (first || !step.added.empty()) pairs_.numberContacts(step);
 	pairs_.storeForces(step, team);
 	move(scene, *engines.integrator, team, handles, impulses, step);
@@ -206,7 +206,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 		regatherBodies(scene, engines, team, synced_, handles, step);
 		if (movesAfter_) detect(false, true);
 	}
-	pairs_.writeContacts(step, team);
+	pairs_.fillStep(step, team);
 	return true;
 }
 
@@ -224,18 +224,18 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 	});
 	pairs_.all.clear();
 	for (const rcr::StepContact& contact : step.contacts) {
-		if (contact.sourceIndex < 0) continue;
+		if (contact.handleIndex < 0) continue;
 		rcr::Pair pair;
 		pair.body1 = contact.body1, pair.body2 = contact.body2;
-		pair.interactionIndex = contact.sourceIndex;
+		pair.handleIndex = contact.handleIndex;
 		pairs_.all.push_back(pair);
 	}
 	pairs_.manifold.resize(pairs_.all.size());
 	team.forEach(pairs_.all.size(), [&](std::size_t k) {
 		rcr::Pair&       pair  = pairs_.all[k];
 		const rcr::Pair& later = pairs_.all[indexAhead(k, pairs_.all.size())];
-		prefetch<CdPhys>(handles.sorted[later.interactionIndex].phys);
-		const CdPhys& phys = *handles.sorted[pair.interactionIndex].phys;
+		prefetch<CdPhys>(handles.sorted[later.handleIndex].phys);
+		const CdPhys& phys = *handles.sorted[pair.handleIndex].phys;
 		pair.pointCount    = phys.points;
 		pair.friction      = double(phys.tangensOfFrictionAngle);
 		pair.restitution   = double(phys.restitution);
@@ -246,15 +246,16 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 
 /// Moves the bodies like NewtonIntegrator. Obstacles need not lie in the plane.
 void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadTeam& team,
-        const SceneHandles& handles, const std::vector<rcr::Twist>& impulses, rcr::Step& step)
+        const SceneHandles& handles, const std::vector<rcr::PlanarVector>& impulses,
+        rcr::Step& step)
 {
 	for (Body::id_t id : synced_) {
-		State&            s = *handles.state[id];
-		const rcr::Twist& p = impulses[id];
+		State&                   s = *handles.state[id];
+		const rcr::PlanarVector& p = impulses[id];
 		const Vector3r force = scene.forces.getForce(id) + 1 / step.dt * Vector3r(p.x, p.y, 0);
 		const Vector3r    torque
 		        = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, p.rotation);
-		if (step.overdamped) setFreeVelocity(s, step.bodies[id].velocity);
+		if (step.overdamped) setUnblockedVelocity(s, step.bodies[id].velocity);
 		if (!step.displacement.empty() && step.bodies[id].free)
 			applyCorrection(s, step.displacement[id]);
 		for (int axis = 0; axis < 3; ++axis) {
@@ -275,11 +276,11 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 		if (isSynced_[id]) return;
 		rcr::StepBody& body = step.bodies[id];
 		if (!step.displacement.empty() && body.free) {
-			const rcr::Twist& by = step.displacement[id];
-			body.center          = { body.center.x + by.x, body.center.y + by.y };
+			const rcr::PlanarVector& by = step.displacement[id];
+			body.center                 = { body.center.x + by.x, body.center.y + by.y };
 			if (by.rotation != 0) body.turn = rcr::normalized(rcr::turned(body.turn, by.rotation));
 		}
-		rcr::Twist& v = body.velocity;
+		rcr::PlanarVector& v = body.velocity;
 		v             = rcr::accelerated(v, inertia_[id], inverseDt * impulses[id], gravity, before);
 		body.center   = { body.center.x + v.x * before, body.center.y + v.y * before };
 		body.turn     = rcr::turnAfter(body.turn, v.rotation, before);

@@ -28,7 +28,7 @@ public:
 	/// impulses on each body. If YADE's engines must take the next step, returns false and changes
 	/// neither bodies nor step; enginesReason() is then the reason.
 	bool advance(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
-	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
+	        const std::vector<rcr::PlanarVector>& impulses, rcr::Step&);
 
 	/// Copies the state at the beginning of the step to YADE's objects, as `scatter` requires. Does
 	/// nothing if no step was taken in arrays since the last call.
@@ -51,7 +51,7 @@ private:
 	std::string   momentaryReason(const Scene&) const;
 	void          begin(rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
 	void          move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&,
-	                 const std::vector<rcr::Twist>& impulses, rcr::Step&);
+	                 const std::vector<rcr::PlanarVector>& impulses, rcr::Step&);
 	void          runEngines(Scene&, const std::vector<Engine*>&) const;
 	void          acceptNewContacts(Scene&, const validation::Engines&);
 
@@ -67,9 +67,9 @@ private:
 	std::vector<rcr::Inertia> inertia_;  // per body
 	std::vector<Motion>       written_;  // per body: as in YADE's objects
 	// per body: velocity at the end of the last overdamped step
-	std::vector<rcr::Twist>   endVelocity_;
-	rcr::Neighbors            neighbors_;
-	rcr::Pairs                pairs_;
+	std::vector<rcr::PlanarVector>   endVelocity_;
+	rcr::Neighbors                   neighbors_;
+	rcr::Pairs                       pairs_;
 };
 
 } // namespace yade

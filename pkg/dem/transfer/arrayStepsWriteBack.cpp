@@ -15,8 +15,8 @@ void ArraySteps::writeBack(
 		prefetch<State>(handles.state[indexAhead(id, step.bodies.size())]);
 		State* s = handles.state[id];
 		if (!s || isSynced_[id]) return;
-		const rcr::StepBody& body = step.bodies[id];
-		const rcr::Twist&    v    = step.overdamped ? endVelocity_[id] : body.velocity;
+		const rcr::StepBody&     body = step.bodies[id];
+		const rcr::PlanarVector& v    = step.overdamped ? endVelocity_[id] : body.velocity;
 		// a state that a script has written meanwhile stays
 		const Motion before = written_[id], now = motionOf(*s);
 		if (now.center == before.center) s->pos[0] = body.center.x, s->pos[1] = body.center.y;
@@ -29,10 +29,10 @@ void ArraySteps::writeBack(
 	std::vector<char>         lasts(handles.sorted.size());
 	// false for a new pair after an error
 	const auto                made = [](const rcr::Pair& pair) {
-        return pair.pointCount > 0 && (pair.interactionIndex >= 0 || pair.formedAt >= 0);
+        return pair.pointCount > 0 && (pair.handleIndex >= 0 || pair.formedAt >= 0);
 	};
 	for (std::size_t k = 0; k < interaction.size(); ++k) {
-		const int index = pairs_.all[k].interactionIndex;
+		const int index = pairs_.all[k].handleIndex;
 		if (!made(pairs_.all[k]) || index < 0) continue;
 		lasts[index]   = true;
 		interaction[k] = handles.sorted[index].interaction;

@@ -1,7 +1,7 @@
 #include "dem/transfer/gather.hpp"
 
 #include "dem/engine/CellStress.hpp"
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/prefetch.hpp"
 #include "kernel/problem/list_by_key.hpp"
 
@@ -81,14 +81,14 @@ namespace {
 			if (!error.empty()) validation::refuse(error);
 			body.center        = plane::toPlane(s.pos);
 			body.turn          = plane::turnOf(body.shape, s);
-			body.velocity      = plane::twistOf(s);
+			body.velocity      = plane::velocityOf(s);
 			body.radius        = body.shape.radius();
 			body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step_.dt);
 			if (b.isClumpMember()) {
 				const State& clump = *(*scene_.bodies)[b.clumpId]->state;
 				body.owner         = b.clumpId;
 				body.velocity      = rcr::memberVelocity(
-				        body, plane::toPlane(clump.pos), plane::twistOf(clump));
+				        body, plane::toPlane(clump.pos), plane::velocityOf(clump));
 				// Ig2 functors read the velocity of a member as of the last motion of its clump
 				const double detected = body.alertDistance + 1e-9 * body.radius;
 				body.alertDistance    = rcr::alertDistance(body.shape, body.velocity, step_.dt);
@@ -110,9 +110,10 @@ namespace {
 		{
 			if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
 			if (scene_.isPeriodic) {
-				const rcr::Vec2  flow = step_.cell.drift(body.center);
-				const rcr::Twist v    = body.velocity - rcr::Twist { flow.x, flow.y, 0 };
-				const double     path = body.shape.grain()
+				const rcr::Vec2         flow = step_.cell.drift(body.center);
+				const rcr::PlanarVector v
+				        = body.velocity - rcr::PlanarVector { flow.x, flow.y, 0 };
+				const double path = body.shape.grain()
 				            ? step_.dt * rcr::maxSpeed(v, body.radius)
 				            : body.alertDistance;
 				return path > double(b.bound->sweepLength);
@@ -137,19 +138,20 @@ namespace {
 			if (step_.overdamped)
 				body.velocity
 				        = startVelocity(body.velocity, inertia, step_.startFlow.at(body.center));
-			rcr::Twist& v = step_.problem.freeVelocity[b.getId()];
+			rcr::PlanarVector& v = step_.problem.freeVelocity[b.getId()];
 			v = rcr::accelerated(body.velocity, inertia, externalForce(b),
 			        plane::toPlane(newton.gravity), step_.dt);
-			step_.problem.inverseMass[b.getId()] = { inertia.x ? 1 / inertia.mass : 0,
-				inertia.y ? 1 / inertia.mass : 0, inertia.rotation ? 1 / inertia.moment : 0 };
+			step_.problem.inverseMass[b.getId()] = { inertia.freeX ? 1 / inertia.mass : 0,
+				inertia.freeY ? 1 / inertia.mass : 0,
+				inertia.freeRotation ? 1 / inertia.moment : 0 };
 			if (!scene_.isPeriodic) return;
 			const Vector3r mean = change_ * s.pos + Real(step_.dt) * (convection_ * s.vel);
-			v = v + rcr::Twist { double(mean[0]), double(mean[1]),
+			v = v + rcr::PlanarVector { double(mean[0]), double(mean[1]),
 				0.5 * double(change_(1, 0) - change_(0, 1)) };
 		}
 
 		/// Force and torque on a body, or on a clump and its members.
-		rcr::Twist externalForce(const Body& b) const
+		rcr::PlanarVector externalForce(const Body& b) const
 		{
 			Vector3r force  = scene_.forces.getForce(b.getId()),
 			         torque = scene_.forces.getTorque(b.getId());
@@ -246,7 +248,7 @@ namespace {
 				contact.shift         = plane::toPlane(scene_.cell->intrShiftPos(cells));
 				contact.drift         = step_.cell.drift(contact.shift);
 			}
-			const rcr::Impulse force[2] = { { double(phys.force1[0]), double(phys.force1[1]) },
+			const rcr::LocalVector force[2] = { { double(phys.force1[0]), double(phys.force1[1]) },
 				{ double(phys.force2[0]), double(phys.force2[1]) } };
 			step_.setPoints(contact, source.geom->manifold(), force);
 		}
@@ -254,7 +256,7 @@ namespace {
 
 } // namespace
 
-bool grainLeavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr::Twist& v,
+bool grainLeavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr::PlanarVector& v,
         double dt, const Bound& bound)
 {
 	const double   extent = b.radius + rcr::alertDistance(b.shape, v, dt);

@@ -27,7 +27,7 @@ struct SceneHandles {
 	PairExclusions            pairExclusions; // of the last step
 	// in the order of YADE's container; 0 points: not a contact of this law
 	std::vector<Contact>      found;
-	// by body 1, then body 2; StepContact::sourceIndex is the number in this list
+	// by body 1, then body 2; StepContact::handleIndex is the index in this list
 	std::vector<Contact>      sorted;
 	Real                      z = 0; // height of the plane
 };
@@ -42,8 +42,8 @@ void regatherBodies(Scene&, const validation::Engines&, rcr::ThreadTeam&,
 
 /// Returns true if a grain at this position, enlarged by the alert distance of this velocity,
 /// leaves its box in the collider. The collider may then not list all its contacts.
-bool grainLeavesBox(
-        const rcr::StepBody&, const Vector3r& at, const rcr::Twist&, double dt, const Bound&);
+bool grainLeavesBox(const rcr::StepBody&, const Vector3r& at, const rcr::PlanarVector&, double dt,
+        const Bound&);
 
 /// Returns true if an obstacle at this pose, enlarged by `margin` [m], leaves its box.
 bool obstacleLeavesBox(const rcr::PlanarShape&, const rcr::Pose&, double margin, const Bound&);

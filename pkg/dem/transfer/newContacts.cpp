@@ -1,6 +1,6 @@
 #include "dem/transfer/newContacts.hpp"
 
-#include "kernel/detection/undetected_contacts.hpp"
+#include "kernel/detection/late_contacts.hpp"
 
 namespace yade {
 
@@ -42,18 +42,18 @@ static rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines&
 	return [&](int id1, int id2) { return allowsContact(scene, engines, id1, id2); };
 }
 
-static void addDetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
+static void addFoundContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
-	for (rcr::DetectedContact& c : step.detected)
+	for (rcr::LateContact& c : step.lateContacts)
 		if (!c.known)
 			setCoefficients(
 			        scene, *engines.loop, c.body1, c.body2, c.friction, c.restitution);
-	rcr::addDetectedContacts(step);
+	rcr::addLateContacts(step);
 }
 
-bool findUndetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
+bool findLateContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
-	return rcr::findUndetectedContacts(step, contactFilter(scene, engines));
+	return rcr::findLateContacts(step, contactFilter(scene, engines));
 }
 
 void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const Engine& solver,
@@ -87,13 +87,13 @@ void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const
 		if (handles.mayLackContacts[id]) unlisted.push_back(std::int32_t(id));
 	if (unlisted.empty()) return;
 	if (rcr::findUnlistedContacts(step, unlisted, contactFilter(scene, engines)))
-		addDetectedContacts(scene, engines, step);
+		addFoundContacts(scene, engines, step);
 }
 
-bool addUndetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
+bool addLateContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
-	if (!findUndetectedContacts(scene, engines, step)) return false;
-	addDetectedContacts(scene, engines, step);
+	if (!findLateContacts(scene, engines, step)) return false;
+	addFoundContacts(scene, engines, step);
 	return true;
 }
 

@@ -19,11 +19,11 @@ bool allowsContact(Scene&, const validation::Engines&, Body::id_t id1, Body::id_
 void addUnlistedContacts(Scene&, const validation::Engines&, const Engine& solver, SceneHandles&,
         rcr::Step&);
 
-/// Finds undetected contacts of the solved step (kernel/detection/undetected_contacts.hpp). Returns
-/// true if a found contact closes.
-bool findUndetectedContacts(Scene&, const validation::Engines&, rcr::Step&);
+/// Finds late contacts of the solved step (kernel/detection/late_contacts.hpp). Returns true if one
+/// of them closes.
+bool findLateContacts(Scene&, const validation::Engines&, rcr::Step&);
 
-/// Finds undetected contacts. If one closes, adds all to the problem and returns true.
-bool addUndetectedContacts(Scene&, const validation::Engines&, rcr::Step&);
+/// Finds late contacts. If one closes, adds all to the problem and returns true.
+bool addLateContacts(Scene&, const validation::Engines&, rcr::Step&);
 
 } // namespace yade

@@ -1,11 +1,11 @@
 #include "dem/transfer/scatter.hpp"
 
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/prefetch.hpp"
 
 namespace yade {
 
-void writeForce(CdPhys& phys, const rcr::Impulse (&force)[2], const rcr::Vec2 (&normal)[2])
+void writeForce(CdPhys& phys, const rcr::LocalVector (&force)[2], const rcr::Vec2 (&normal)[2])
 {
 	phys.force1      = Vector2r(force[0].n, force[0].t);
 	phys.force2      = Vector2r(force[1].n, force[1].t);
@@ -15,8 +15,8 @@ void writeForce(CdPhys& phys, const rcr::Impulse (&force)[2], const rcr::Vec2 (&
 
 static void writeForces(const rcr::Step& step, const rcr::StepContact& contact, CdPhys& phys)
 {
-	rcr::Impulse force[2];
-	rcr::Vec2    normal[2];
+	rcr::LocalVector force[2];
+	rcr::Vec2        normal[2];
 	for (int k = 0; k < contact.count; ++k) {
 		const rcr::ContactPoint& c = step.problem.points[contact.first + k];
 		force[k]                   = step.force[contact.first + k];
@@ -28,25 +28,25 @@ static void writeForces(const rcr::Step& step, const rcr::StepContact& contact, 
 
 /// Writes an added contact as InteractionLoop would have made it.
 static SceneHandles::Contact writeAddedContact(
-        Scene& scene, const rcr::Step& step, const rcr::DetectedContact& detected)
+        Scene& scene, const rcr::Step& step, const rcr::LateContact& late)
 {
 	rcr::Pair pair;
-	pair.body1 = detected.body1, pair.body2 = detected.body2;
-	Interaction& i = interactionOf(scene, pair, detected.shift);
+	pair.body1 = late.body1, pair.body2 = late.body2;
+	Interaction& i = interactionOf(scene, pair, late.shift);
 	if (!i.phys) {
-		pair.friction = detected.friction, pair.restitution = detected.restitution;
+		pair.friction = late.friction, pair.restitution = late.restitution;
 		pair.formedAt = scene.iter;
 	}
-	return writeContact(i, pair, detected.manifold, step,
-	        shifted(step.bodies[detected.body2].pose(), detected.shift));
+	return writeContact(i, pair, late.manifold, step,
+	        shifted(step.bodies[late.body2].pose(), late.shift));
 }
 
 static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 {
-	for (const rcr::DetectedContact& detected : step.added) {
-		const auto k = step.find(detected.body1, detected.body2) - step.contacts.data();
-		step.contacts[k].sourceIndex = int(handles.sorted.size());
-		handles.sorted.push_back(writeAddedContact(scene, step, detected));
+	for (const rcr::LateContact& late : step.added) {
+		const auto k = step.find(late.body1, late.body2) - step.contacts.data();
+		step.contacts[k].handleIndex = int(handles.sorted.size());
+		handles.sorted.push_back(writeAddedContact(scene, step, late));
 	}
 }
 
@@ -65,8 +65,8 @@ static void deformCell(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strai
 }
 
 /// Returns true if a rotating obstacle leaves its box. YADE checks displacements only.
-static bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v,
-        double dt, const Bound& bound)
+static bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner,
+        const rcr::PlanarVector& v, double dt, const Bound& bound)
 {
 	return v.rotation != 0 && b.shape.kind >= rcr::PlanarShape::box
 	        && obstacleLeavesBox(b.shape, rcr::poseAfter(b, owner, v, dt), 0, bound);
@@ -97,12 +97,12 @@ static void requestCollider(
 		const Bound* bound = handles.bound[id];
 		prefetch<Bound>(handles.bound[indexAhead(id, step.bodies.size())]);
 		if (!bound) return;
-		const rcr::StepBody& b = step.bodies[id];
-		const rcr::Twist&    v = step.problem.velocity[id];
-		const bool           late = imageStep > 0
+		const rcr::StepBody&     b = step.bodies[id];
+		const rcr::PlanarVector& v = step.problem.velocity[id];
+		const bool               imagesLeave = imageStep > 0
 		        && double(scene.iter - bound->lastUpdateIter + 2) * imageStep
 		                > double(bound->sweepLength);
-		const bool leaves = late || bound->max[0] - bound->min[0] > widest
+		const bool leaves = imagesLeave || bound->max[0] - bound->min[0] > widest
 		        || (b.shape.grain()
 		                        ? grainLeavesBox(b,
 		                                handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
@@ -114,7 +114,7 @@ static void requestCollider(
 	if (out) scene.doSort = true;
 }
 
-void setFreeVelocity(State& s, const rcr::Twist& velocity)
+void setUnblockedVelocity(State& s, const rcr::PlanarVector& velocity)
 {
 	const Vector3r vel(velocity.x, velocity.y, 0), spin(0, 0, velocity.rotation);
 	for (int axis = 0; axis < 3; ++axis) {
@@ -123,17 +123,17 @@ void setFreeVelocity(State& s, const rcr::Twist& velocity)
 	}
 }
 
-void applyCorrection(State& s, const rcr::Twist& by)
+void applyCorrection(State& s, const rcr::PlanarVector& by)
 {
 	s.pos += Vector3r(by.x, by.y, 0);
 	if (by.rotation != 0)
 		s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
 }
 
-std::vector<rcr::Twist> contactImpulses(const rcr::Step& step)
+std::vector<rcr::PlanarVector> contactImpulses(const rcr::Step& step)
 {
-	std::vector<rcr::Twist> impulses(step.bodies.size());
-	const rcr::InverseMass  unit = { 1, 1, 1 };
+	std::vector<rcr::PlanarVector> impulses(step.bodies.size());
+	const rcr::InverseMass         unit = { 1, 1, 1 };
 	// one order for any number of threads
 	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {
 		const rcr::ContactPoint& c = step.problem.points[k];
@@ -177,13 +177,13 @@ SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
 	return { &geom, &phys, &i, pair.body1, pair.body2, geom.points };
 }
 
-void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>& impulses,
+void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::PlanarVector>& impulses,
         SceneHandles& handles, rcr::Step& step)
 {
 	addContacts(scene, handles, step);
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
 		const auto physOf = [&](std::size_t number) {
-			return handles.sorted[step.contacts[number].sourceIndex].phys;
+			return handles.sorted[step.contacts[number].handleIndex].phys;
 		};
 		prefetch<CdPhys>(physOf(indexAhead(k, step.contacts.size())));
 		writeForces(step, step.contacts[k], *physOf(k));
@@ -193,13 +193,13 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 		const rcr::StepBody& body = step.bodies[id];
 		if (!step.displacement.empty())
 			prefetch<State>(handles.state[indexAhead(id, step.bodies.size())]);
-		const rcr::Twist& p = impulses[id];
+		const rcr::PlanarVector& p = impulses[id];
 		if (p.x != 0 || p.y != 0 || p.rotation != 0) {
 			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(p.x, p.y, 0));
 			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, p.rotation));
 		}
 		if (!handles.state[id] || body.owner != id) return;
-		if (step.overdamped) setFreeVelocity(*handles.state[id], body.velocity);
+		if (step.overdamped) setUnblockedVelocity(*handles.state[id], body.velocity);
 		if (!step.displacement.empty() && body.free)
 			applyCorrection(*handles.state[id], step.displacement[id]);
 	});

@@ -1,6 +1,6 @@
 // Rules of validation on bodies: motion, inertia, materials, obstacles in the plane of the grains.
 
-#include "dem/validation/SceneView.hpp"
+#include "dem/validation/SceneQuery.hpp"
 #include "kernel/problem/residual.hpp"
 
 namespace yade::validation {
@@ -111,7 +111,7 @@ std::string bodyError(const Body& b, const rcr::PlanarShape& shape, Real z)
 	return inertiaError(b);
 }
 
-std::string invalidBodies(const View& v)
+std::string invalidBodies(const SceneQuery& v)
 {
 	const Real z = planeOf(v.scene);
 	for (const auto& b : *v.scene.bodies) {
@@ -142,9 +142,9 @@ std::string dragWarning(const Scene& scene)
 
 std::string turningWarning(const Scene& scene)
 {
-	const View  view(scene);
-	const auto* collider = view.first<InsertionSortCollider>();
-	if (view.law != smooth || !collider || collider->verletDist == 0) return {};
+	const SceneQuery view(scene);
+	const auto*      collider = view.first<InsertionSortCollider>();
+	if (view.law != springs || !collider || collider->verletDist == 0) return {};
 	std::set<Body::id_t> turned; // by an engine
 	for (const auto& engine : scene.engines)
 		if (const auto* by = dynamic_cast<const RotationEngine*>(engine.get()); by && !by->dead)
@@ -208,7 +208,7 @@ static std::string remedyOfMass(const std::string& shape)
 std::string massWarning(const Scene& scene, const UnionArea& unionArea)
 {
 	constexpr double same = 1e-3; // relative difference that has no effect
-	if (View(scene).law == neither) return {};
+	if (SceneQuery(scene).law == neither) return {};
 	const Body* first    = nullptr;
 	Real        expected = 0;
 	long        count    = 0;
@@ -243,7 +243,7 @@ void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
 		        "have no restitution: a MatchMaker needs algo='val', or a match for each pair.");
 }
 
-std::string materials(const View& v)
+std::string materials(const SceneQuery& v)
 {
 	const Material* valid = nullptr; // material of the last body; most bodies share one
 	for (const auto& b : *v.scene.bodies) {
@@ -263,7 +263,7 @@ std::string materials(const View& v)
 }
 
 /// Obstacles without a finite size, or that never meet the plane of the grains.
-std::string obstaclesOutOfPlane(const View& v)
+std::string obstaclesOutOfPlane(const SceneQuery& v)
 {
 	const Real z = planeOf(v.scene);
 	if (math::isnan(z)) return {};

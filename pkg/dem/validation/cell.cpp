@@ -1,10 +1,10 @@
 // Rules of validation on the periodic cell.
 #include "dem/engine/CellStress.hpp"
-#include "dem/validation/SceneView.hpp"
+#include "dem/validation/SceneQuery.hpp"
 
 namespace yade::validation {
 
-std::string wallsInCell(const View& v)
+std::string wallsInCell(const SceneQuery& v)
 {
 	const Body* wall = v.scene.isPeriodic ? v.body<Wall>() : nullptr;
 	if (!wall) return {};
@@ -13,9 +13,9 @@ std::string wallsInCell(const View& v)
 	          "fixed Rcrs.";
 }
 
-std::string cellStress(const View& v)
+std::string cellStress(const SceneQuery& v)
 {
-	if (v.law == smooth && v.indexOf<CellStress>() >= 0)
+	if (v.law == springs && v.indexOf<CellStress>() >= 0)
 		return "CellStress presses the cell of ContactDynamics, and contacts are springs; take "
 		       "PeriTriaxController(dynCell=True).";
 	if (v.indexOf<CellStress>() >= 0 && !v.scene.isPeriodic)
@@ -27,7 +27,7 @@ std::string cellStress(const View& v)
 	return {};
 }
 
-std::string velocityGradient(const View& v)
+std::string velocityGradient(const SceneQuery& v)
 {
 	if (!v.scene.isPeriodic) return {};
 	const Matrix3r gradient = plane::nextGradient(*v.scene.cell);
@@ -44,19 +44,19 @@ std::string velocityGradient(const View& v)
 
 /// Rejects cells in which YADE's collider would end the process, since a body spans half of the
 /// cell.
-std::string smallCell(const View& v)
+std::string smallCell(const SceneQuery& v)
 {
 	if (!v.scene.isPeriodic) return {};
 	// YADE ends at half boxes of 0.25 cells; 0.24 leaves a margin for shrinking
 	constexpr Real most = 0.24;
 	const auto* collider = v.first<InsertionSortCollider>();
 	const Real     margin   = collider ? math::max(Real(0), collider->verletDist) : Real(0),
-	           wider        = widening(v.scene).maxCoeff();
+	           wider        = boxWidening(v.scene).maxCoeff();
 	const Real  size   = v.scene.cell->getSize().minCoeff();
 	for (const auto& b : *v.scene.bodies) {
 		if (!b || !b->shape || b->isClump()) continue;
 		const Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
-		if (wider * half + margin < most * size && largestShare * size + margin < most * size)
+		if (wider * half + margin < most * size && largestBoxShare * size + margin < most * size)
 			continue;
 		return "the periodic cell is " + text(size) + " wide at its narrowest, "
 		        + bodyNames({ b->getId() }) + " has the radius " + text(half)
@@ -68,16 +68,6 @@ std::string smallCell(const View& v)
 		                     : std::string());
 	}
 	return {};
-}
-
-Vector3r widening(const Scene& scene)
-{
-	Vector3r wider = Vector3r::Ones();
-	if (!scene.isPeriodic || !scene.cell->hasShear()) return wider;
-	for (int axis = 0; axis < 3; ++axis)
-		for (int other : { (axis + 1) % 3, (axis + 2) % 3 })
-			wider[axis] += 0.5 * (1 / scene.cell->getCos()[other] - 1);
-	return wider;
 }
 
 } // namespace yade::validation

@@ -1,5 +1,5 @@
 // Rules of validation on engines: order of loads, attributes, time step, bounds of the collider.
-#include "dem/validation/SceneView.hpp"
+#include "dem/validation/SceneQuery.hpp"
 #include "dem/engine/WallStress.hpp"
 
 namespace yade::validation {
@@ -27,7 +27,7 @@ static bool loads(const Engine& engine)
 	return pushes(engine) || moves(engine) || dynamic_cast<const BoundaryController*>(&engine);
 }
 
-std::string loadAfterSolver(const View& v)
+std::string loadAfterSolver(const SceneQuery& v)
 {
 	const int solver = v.indexOf<ContactDynamics>(), integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = solver + 1; solver >= 0 && k < integrator; ++k)
@@ -39,7 +39,7 @@ std::string loadAfterSolver(const View& v)
 
 /// Rejects load engines after the integrator or before the ForceResetter, whose forces would
 /// have no effect.
-std::string loadWithoutEffect(const View& v)
+std::string loadWithoutEffect(const SceneQuery& v)
 {
 	const int resetter = v.indexOf<ForceResetter>(), integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = 0; k < int(v.engines.size()); ++k) {
@@ -54,7 +54,7 @@ std::string loadWithoutEffect(const View& v)
 }
 
 /// A servo reads the force on its body. ContactDynamics adds contact forces after it.
-std::string servoBeforeIntegrator(const View& v)
+std::string servoBeforeIntegrator(const SceneQuery& v)
 {
 	const int integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = 0; k < integrator; ++k)
@@ -65,7 +65,7 @@ std::string servoBeforeIntegrator(const View& v)
 }
 
 /// A recorder reads forces that are complete after ContactDynamics.
-std::string recorderBeforeSolver(const View& v)
+std::string recorderBeforeSolver(const SceneQuery& v)
 {
 	const int solver = v.indexOf<ContactDynamics>();
 	for (int k = 0; k < solver; ++k) {
@@ -78,7 +78,7 @@ std::string recorderBeforeSolver(const View& v)
 	return {};
 }
 
-std::string attributeErrors(const View& v)
+std::string attributeErrors(const SceneQuery& v)
 {
 	for (const auto& engine : v.engines) {
 		if (engine->dead) continue;
@@ -92,14 +92,14 @@ std::string attributeErrors(const View& v)
 	return {};
 }
 
-std::string timeStep(const View& v)
+std::string timeStep(const SceneQuery& v)
 {
 	const Real dt = v.scene.dt;
 	if (dt > 0 && math::isfinite(dt)) return {};
 	return "O.dt = " + text(dt) + "; expected a finite time step > 0.";
 }
 
-std::string finiteMotion(const View& v)
+std::string finiteMotion(const SceneQuery& v)
 {
 	const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
 	if (!newton) return {};
@@ -111,7 +111,7 @@ std::string finiteMotion(const View& v)
 	        + "; expected a finite share, 0 for none.";
 }
 
-std::string contactsWithoutBodies(const View& v)
+std::string contactsWithoutBodies(const SceneQuery& v)
 {
 	for (const auto& i : *v.scene.interactions)
 		if (std::size_t(std::max(i->getId1(), i->getId2())) >= v.scene.bodies->size())
@@ -122,7 +122,7 @@ std::string contactsWithoutBodies(const View& v)
 	return {};
 }
 
-std::string integrator(const View& v)
+std::string integrator(const SceneQuery& v)
 {
 	const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
 	if (!newton) return {};
@@ -138,7 +138,7 @@ std::string integrator(const View& v)
 	        + " pulls out of the plane of the grains, which is x and y; set gravity=(0, -9.81, 0).";
 }
 
-std::string timeStepper(const View& v)
+std::string timeStepper(const SceneQuery& v)
 {
 	const TimeStepper* stepper = v.first<TimeStepper>();
 	if (!stepper || !stepper->active) return {};
@@ -148,7 +148,7 @@ std::string timeStepper(const View& v)
 }
 
 /// Without contacts, YADE's stepper uses the wave speed of spheres, and 1 s without spheres.
-std::string firstTimeStep(const View& v)
+std::string firstTimeStep(const SceneQuery& v)
 {
 	const auto* stepper = v.first<GlobalStiffnessTimeStepper>();
 	if (!stepper || !stepper->active || stepper->defaultDt > 0 || !v.body<Rcr>()) return {};
@@ -157,7 +157,7 @@ std::string firstTimeStep(const View& v)
 	          "rcr.critical_time_step().";
 }
 
-std::string bounds(const View& v)
+std::string bounds(const SceneQuery& v)
 {
 	const Collider* collider = v.first<Collider>();
 	if (!collider) return {};

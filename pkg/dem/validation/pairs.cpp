@@ -2,7 +2,7 @@
 // before the first step.
 #include <set>
 
-#include "dem/validation/SceneView.hpp"
+#include "dem/validation/SceneQuery.hpp"
 
 namespace yade::validation {
 
@@ -75,7 +75,8 @@ namespace {
 	/// Pairs that overlap before their first step.
 	class InitialOverlaps {
 	public:
-		InitialOverlaps(const View& v, Real z) : scene_(v.scene), collider_(v.first<Collider>())
+		InitialOverlaps(const SceneQuery& v, Real z)
+		        : scene_(v.scene), collider_(v.first<Collider>())
 		{
 			if (scene_.isPeriodic) edges_ = scene_.cell->hSize;
 			const Matrix3r      inverse = edges_.inverse();
@@ -163,7 +164,7 @@ namespace {
 
 } // namespace
 
-std::string unsupportedPairs(const View& v)
+std::string unsupportedPairs(const SceneQuery& v)
 {
 	if (!v.loop) return {};
 	// two bodies of each kind, not of one clump, represent all
@@ -214,9 +215,9 @@ void refuseUnsupported(const Scene& scene, Body::id_t id1, Body::id_t id2)
 
 std::string overlapWarning(const Scene& scene)
 {
-	const View v(scene);
+	const SceneQuery v(scene);
 	const Real z = planeOf(scene);
-	if ((v.law != rigid && v.law != smooth) || math::isnan(z)) return {};
+	if ((v.law != rigid && v.law != springs) || math::isnan(z)) return {};
 	const InitialOverlaps found(v, z);
 	if (found.pairs == 0) return {};
 	if (found.behind > 0) {

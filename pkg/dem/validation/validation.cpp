@@ -1,7 +1,7 @@
-#include "dem/validation/SceneView.hpp"
+#include "dem/validation/SceneQuery.hpp"
 
 #include "dem/engine/CellStress.hpp"
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 #include "dem/validation/deferredError.hpp"
 
 namespace yade::validation {
@@ -10,14 +10,15 @@ namespace {
 
 	// ---- engines
 
-	template <class Kind> std::string missing(const View& v, const char* name, const char* why)
+	template <class Kind>
+	std::string missing(const SceneQuery& v, const char* name, const char* why)
 	{
 		if (v.indexOf<Kind>() >= 0) return {};
 		return std::string("O.engines holds no ") + name
 		        + (v.dead<Kind>() ? " that is not dead, " : ", ") + why;
 	}
 
-	template <class Kind> std::string twice(const View& v, const char* name)
+	template <class Kind> std::string twice(const SceneQuery& v, const char* name)
 	{
 		const int count = v.count<Kind>();
 		if (count < 2) return {};
@@ -25,7 +26,7 @@ namespace {
 		        + "; expected one: remove the others.";
 	}
 
-	template <class Before, class After> std::string order(const View& v, const char* text)
+	template <class Before, class After> std::string order(const SceneQuery& v, const char* text)
 	{
 		const int before = v.indexOf<Before>(), after = v.indexOf<After>();
 		return before >= 0 && after >= 0 && before > after ? text : std::string();
@@ -33,9 +34,9 @@ namespace {
 
 	// ---- functors
 
-	std::string mixedLaws(const View& v)
+	std::string mixedLaws(const SceneQuery& v)
 	{
-		if (v.law != both) return {};
+		if (v.law != mixed) return {};
 		const char* with = v.indexOf<ContactDynamics>() >= 0 ? "the engine ContactDynamics"
 		        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors)
 		        ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
@@ -48,7 +49,7 @@ namespace {
 		          "ContactDynamics before the NewtonIntegrator.";
 	}
 
-	std::string noLaw(const View& v)
+	std::string noLaw(const SceneQuery& v)
 	{
 		if (!v.loop) return {};
 		if (!v.body<Rcr>() && !has<Ig2_Planar_RcrGeom>(v.loop->geomDispatcher->functors)) return {};
@@ -57,7 +58,7 @@ namespace {
 		       "Law2_RcrGeom_FrictPhys_CundallStrack into its third list.";
 	}
 
-	std::string rigidFunctors(const View& v)
+	std::string rigidFunctors(const SceneQuery& v)
 	{
 		if (!v.loop) return {};
 		bool                 swap;
@@ -75,7 +76,7 @@ namespace {
 		return {};
 	}
 
-	std::string smoothFunctors(const View& v)
+	std::string springFunctors(const SceneQuery& v)
 	{
 		bool                 swap;
 		shared_ptr<Material> material = boost::make_shared<FrictMat>();
@@ -86,7 +87,7 @@ namespace {
 	}
 
 	/// Ig2 functors whose contacts the laws of rcr cannot solve.
-	std::string foreignGeometry(const View& v)
+	std::string foreignGeometry(const SceneQuery& v)
 	{
 		if (!v.loop) return {};
 		for (const auto& functor : v.loop->geomDispatcher->functors) {
@@ -105,28 +106,28 @@ namespace {
 	/// A row of the table: a rule for scenes with one of these laws.
 	struct Rule {
 		int laws;
-		std::string (*message)(const View&);
+		std::string (*message)(const SceneQuery&);
 	};
 
 	// clang-format off
 	const Rule rules[] = {
 		{ neither, noLaw },
-		{ both,    mixedLaws },
-		{ any,     [](const View& v) { return missing<NewtonIntegrator>(v, "NewtonIntegrator", "so nothing would move; append NewtonIntegrator(damping=0)."); } },
-		{ any,     [](const View& v) { return missing<InteractionLoop>(v, "InteractionLoop", "so there are no contacts; put one after the collider."); } },
-		{ any,     [](const View& v) { return missing<Collider>(v, "collider", "so no bodies would meet; put InsertionSortCollider([Bo1_Rcr_Aabb(), …]) before the InteractionLoop."); } },
-		{ any,     [](const View& v) { return missing<ForceResetter>(v, "ForceResetter", "so forces would add up from step to step; put ForceResetter() first."); } },
-		{ rigid,   [](const View& v) { return missingSolver(v.scene); } },
-		{ any,     [](const View& v) { return twice<NewtonIntegrator>(v, "NewtonIntegrator"); } },
-		{ any,     [](const View& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
-		{ any,     [](const View& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
-		{ any,     [](const View& v) { return twice<Collider>(v, "the collider"); } },
-		{ any,     [](const View& v) { return twice<CellStress>(v, "CellStress"); } },
-		{ any,     [](const View& v) { return order<ForceResetter, InteractionLoop>(v, "the ForceResetter stands after the InteractionLoop, so it would take its forces away; put it first."); } },
-		{ any,     [](const View& v) { return order<Collider, InteractionLoop>(v, "the collider stands after the InteractionLoop; put it before."); } },
-		{ rigid,   [](const View& v) { return order<InteractionLoop, ContactDynamics>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
-		{ rigid,   [](const View& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
-		{ smooth,  [](const View& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
+		{ mixed,   mixedLaws },
+		{ any,     [](const SceneQuery& v) { return missing<NewtonIntegrator>(v, "NewtonIntegrator", "so nothing would move; append NewtonIntegrator(damping=0)."); } },
+		{ any,     [](const SceneQuery& v) { return missing<InteractionLoop>(v, "InteractionLoop", "so there are no contacts; put one after the collider."); } },
+		{ any,     [](const SceneQuery& v) { return missing<Collider>(v, "collider", "so no bodies would meet; put InsertionSortCollider([Bo1_Rcr_Aabb(), …]) before the InteractionLoop."); } },
+		{ any,     [](const SceneQuery& v) { return missing<ForceResetter>(v, "ForceResetter", "so forces would add up from step to step; put ForceResetter() first."); } },
+		{ rigid,   [](const SceneQuery& v) { return missingSolver(v.scene); } },
+		{ any,     [](const SceneQuery& v) { return twice<NewtonIntegrator>(v, "NewtonIntegrator"); } },
+		{ any,     [](const SceneQuery& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
+		{ any,     [](const SceneQuery& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
+		{ any,     [](const SceneQuery& v) { return twice<Collider>(v, "the collider"); } },
+		{ any,     [](const SceneQuery& v) { return twice<CellStress>(v, "CellStress"); } },
+		{ any,     [](const SceneQuery& v) { return order<ForceResetter, InteractionLoop>(v, "the ForceResetter stands after the InteractionLoop, so it would take its forces away; put it first."); } },
+		{ any,     [](const SceneQuery& v) { return order<Collider, InteractionLoop>(v, "the collider stands after the InteractionLoop; put it before."); } },
+		{ rigid,   [](const SceneQuery& v) { return order<InteractionLoop, ContactDynamics>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
+		{ rigid,   [](const SceneQuery& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
+		{ springs, [](const SceneQuery& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 		{ rigid,   loadAfterSolver },
 		{ any,     loadWithoutEffect },
 		{ rigid,   servoBeforeIntegrator },
@@ -134,16 +135,16 @@ namespace {
 		{ any,     timeStep },
 		{ any,     attributeErrors },
 		{ any,     cellStress },
-		{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
+		{ rigid,   [](const SceneQuery& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
 		{ any,     finiteMotion },
 		{ any,     contactsWithoutBodies },
 		{ rigid,   integrator },
 		{ rigid,   timeStepper },
-		{ smooth,  firstTimeStep },
+		{ springs, firstTimeStep },
 		{ any,     wallsInCell },
 		{ any,     bounds },
 		{ rigid,   rigidFunctors },
-		{ smooth,  smoothFunctors },
+		{ springs, springFunctors },
 		{ any,     foreignGeometry },
 		{ any,     materials },
 		{ any,     velocityGradient },
@@ -191,7 +192,7 @@ bool Signature::operator==(const Signature& other) const
 
 std::string sceneError(const Scene& scene)
 {
-	const View view(scene);
+	const SceneQuery view(scene);
 	for (const Rule& rule : rules) {
 		const std::string message = rule.laws & view.law ? rule.message(view) : std::string();
 		if (!message.empty()) return message;
@@ -201,7 +202,7 @@ std::string sceneError(const Scene& scene)
 
 std::string missingSolver(const Scene& scene)
 {
-	return missing<ContactDynamics>(View(scene), "ContactDynamics",
+	return missing<ContactDynamics>(SceneQuery(scene), "ContactDynamics",
 	        "so rigid contacts would carry nothing; put ContactDynamics() between the "
 	        "InteractionLoop and the NewtonIntegrator.");
 }
@@ -210,7 +211,7 @@ std::string missingSolver(const Scene& scene)
 /// the same look-ahead as Rcrs.
 static void replaceSphereBounds(const Scene& scene)
 {
-	if (View(scene).law != rigid) return;
+	if (SceneQuery(scene).law != rigid) return;
 	for (const auto& e : scene.engines) {
 		Collider* collider = dynamic_cast<Collider*>(e.get());
 		if (!collider) continue;
@@ -232,7 +233,7 @@ static void replaceSphereBounds(const Scene& scene)
 std::string prepareRun(Scene& scene)
 {
 	static PairExclusions last; // of the last run
-	const View            view(scene);
+	const SceneQuery      view(scene);
 	const std::string     error = sceneError(scene);
 	if (!error.empty()) return error;
 	replaceSphereBounds(scene);
@@ -243,7 +244,7 @@ std::string prepareRun(Scene& scene)
 /// Rejects a change of the time step or of the cell's motion between ContactDynamics and
 /// NewtonIntegrator. The former divides impulses by the time step, the latter multiplies forces by
 /// it. YADE advances the time by O.dt at the end of the step.
-void Validator::checkLastStep(const View& v)
+void Validator::checkLastStep(const SceneQuery& v)
 {
 	const bool recorded = isNextStep(v.scene);
 	const Real change   = recorded ? math::abs(v.scene.time - nextTime_) : 0;
@@ -262,7 +263,7 @@ void Validator::checkLastStep(const View& v)
 		       "NewtonIntegrator.");
 }
 
-bool Validator::leavesOtherScene(const Scene& scene)
+bool Validator::hasNewScene(const Scene& scene)
 {
 	const bool other = hasScene_ && scene_.lock().get() != &scene;
 	scene_ = scene.weak_from_this(), hasScene_ = true;
@@ -277,7 +278,7 @@ void Validator::recordNextStep(const Scene& scene)
 
 Engines Validator::validate(const Scene& scene)
 {
-	const View        view(scene);
+	const SceneQuery  view(scene);
 	checkLastStep(view);
 	// may change without a change of objects
 	for (const auto rule : { timeStep, finiteMotion, integrator, velocityGradient, smallCell })
@@ -328,8 +329,8 @@ bool acceptContact(const Interaction& i, const Scene& scene)
 {
 	if (!requireFrictMat(scene, i.getId1(), i.getId2())) return false;
 	// YADE checks masks only when boxes begin to overlap; here a rigid contact forms
-	const View view(scene);
-	Collider*  collider = view.law == rigid ? view.first<Collider>() : nullptr;
+	const SceneQuery view(scene);
+	Collider*        collider = view.law == rigid ? view.first<Collider>() : nullptr;
 	if (collider && !mayCollide(scene, *collider, i.getId1(), i.getId2())) return false;
 	thread_local Signature passed; // of the last valid scene
 	const Signature        now = signature(scene);

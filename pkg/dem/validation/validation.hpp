@@ -21,14 +21,6 @@ class Collider;
 
 namespace yade::validation {
 
-/// Largest half box of a body over the size of a periodic cell. YADE's collider needs boxes of
-/// less than half a cell, with its margin (verletDist).
-constexpr double largestShare = 0.2;
-
-/// Factor by which the box of a circle grows along each axis in the unsheared space of YADE's
-/// collider; 1 without shear.
-Vector3r widening(const Scene&);
-
 inline std::string text(Real value, int digits = 12)
 {
 	std::ostringstream out;
@@ -87,17 +79,15 @@ struct Signature {
 	bool operator==(const Signature&) const;
 };
 
-struct View;
+struct SceneQuery;
 
 /// Validates the scene when its engines, their functors or its number of bodies changed.
 class Validator {
 public:
 	Engines validate(const Scene&);       // throws the message of sceneError
 	void    recordNextStep(const Scene&); // call it after a step of ContactDynamics
-	/// Returns true at the first call for a scene after calls for another one.
-	bool leavesOtherScene(const Scene&);
-	/// Returns true if the scene is at the end of the recorded step.
-	bool isNextStep(const Scene& scene) const { return scene.iter == nextStep_; }
+	/// Returns true at the first call for this scene, if earlier calls were for another one.
+	bool hasNewScene(const Scene&);
 	/// Returns true also within the recorded step: in engines after ContactDynamics.
 	bool hasSolved(const Scene& scene) const
 	{
@@ -105,7 +95,9 @@ public:
 	}
 
 private:
-	void checkLastStep(const View&);
+	/// Returns true if the scene is at the end of the recorded step.
+	bool isNextStep(const Scene& scene) const { return scene.iter == nextStep_; }
+	void checkLastStep(const SceneQuery&);
 
 	Signature seen_;
 	Engines   engines_;

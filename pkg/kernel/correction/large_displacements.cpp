@@ -11,7 +11,7 @@ constexpr double loadedClearance = 0.5; // its value if the contact bore a force
 // fraction of the path that a kept contact may leave open, up to the slop
 constexpr double earlyArrival    = 0.01;
 
-static const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
+static const PlanarVector& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
 /// Returns true if the points have changed their order since the beginning of the step. The
 /// first body has then turned against the second one.
@@ -86,7 +86,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 	for (int k = 0; k < contact.count; ++k) {
 		const int     number = contact.first + k;
 		ContactPoint& c      = step.problem.points[number];
-		const double  gap    = step.gap[number].now;
+		const double  gap    = step.gap[number].atStart;
 		const double  path   = dt * relativeVelocity(step.problem, c).n;
 		double        least  = infinity;
 		for (const Manifold& now : at)
@@ -140,7 +140,7 @@ bool releaseNearMiss(Step& step, const StepContact& contact)
 	bool changed = false;
 	for (int k = 0; k < contact.count; ++k) {
 		ContactPoint& c   = step.problem.points[contact.first + k];
-		const double  gap = step.gap[contact.first + k].now;
+		const double  gap = step.gap[contact.first + k].atStart;
 		if (!bounces(k) || least[k] < std::min(0.0, gap) - clearance * contact.slop()) continue;
 		const double  closing = -step.initialVelocity(c).n;
 		// the bodies keep their velocities

@@ -21,7 +21,7 @@
 // velocities. Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once
 
-#include "detection/undetected_contacts.hpp"
+#include "detection/late_contacts.hpp"
 
 namespace rcr {
 
@@ -31,7 +31,7 @@ constexpr double largeDisplacement = 0.01;
 
 /// Returns true if the contact has a large displacement at these velocities of its bodies.
 inline bool hasLargeDisplacement(
-        const Step& step, const StepContact& c, const Twist& v1, const Twist& v2)
+        const Step& step, const StepContact& c, const PlanarVector& v1, const PlanarVector& v2)
 {
 	const StepBody &one = step.bodies[c.body1], &two = step.bodies[c.body2];
 	const auto      cap = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };

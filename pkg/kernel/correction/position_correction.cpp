@@ -19,7 +19,7 @@ static double wallLength(const Step& step)
 /// Bias ≤ 0 with which a point removes the fraction β of its overlap beyond the slop [m/s].
 static double recoveryBias(const Step& step, std::size_t k, double beta)
 {
-	return std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt);
+	return std::min(0.0, beta * (step.gap[k].atStart - step.gap[k].threshold) / step.dt);
 }
 
 void setRecoveryBias(Step& step, double beta, ThreadTeam& team)
@@ -33,7 +33,7 @@ void computeCorrection(Step& step, double beta, Workspace& workspace)
 {
 	if (beta == 0 || step.overdamped) return;
 	if (std::none_of(step.gap.begin(), step.gap.end(),
-	            [](const Gap& gap) { return gap.now < gap.allowed; }))
+	            [](const Gap& gap) { return gap.atStart < gap.threshold; }))
 		return;
 	const ContactProblem& problem = step.problem;
 	ThreadTeam&           team    = workspace.team();
@@ -47,8 +47,8 @@ void computeCorrection(Step& step, double beta, Workspace& workspace)
 	// displacement over the radius
 	const double farthest = team.maximum(step.bodies.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
-		Twist&          d    = step.displacement[id];
-		d                    = body.free ? step.dt * (d - problem.velocity[id]) : Twist {};
+		PlanarVector&   d    = step.displacement[id];
+		d                    = body.free ? step.dt * (d - problem.velocity[id]) : PlanarVector {};
 		return maxSpeed(d, body.radius) / (body.radius > 0 ? body.radius : wall);
 	});
 	const double share = std::min(1.0, largestShift / farthest);

@@ -98,14 +98,14 @@ namespace {
 		{
 			for (int k = c.first; k < c.first + c.count; ++k) {
 				const double u = relativeVelocity(step_.problem, step_.problem.points[k]).n;
-				if (step_.gap[k].now + step_.dt * u < -trigger * c.slop()) return true;
+				if (step_.gap[k].atStart + step_.dt * u < -trigger * c.slop()) return true;
 			}
 			return false;
 		}
 
-		Twist displacement(int id) const
+		PlanarVector displacement(int id) const
 		{
-			return step_.displacement.empty() ? Twist {} : step_.displacement[id];
+			return step_.displacement.empty() ? PlanarVector {} : step_.displacement[id];
 		}
 
 		Manifold pointsAtEnd(const StepContact& c) const
@@ -120,7 +120,7 @@ namespace {
 		{
 			double deepest = 0;
 			for (int k = 0; k < c.count; ++k)
-				deepest = std::max(deepest, -step_.gap[c.first + k].now);
+				deepest = std::max(deepest, -step_.gap[c.first + k].atStart);
 			return (hasLargeDisplacement(step_, c) ? kept : 1) * deepest + c.slop();
 		}
 
@@ -131,15 +131,15 @@ namespace {
 			const int          id1 = step_.bodies[c.body1].owner, id2 = step_.bodies[c.body2].owner;
 			const InverseMass &m1 = step_.problem.inverseMass[id1],
 			                  &m2 = step_.problem.inverseMass[id2];
-			Twist &            d1 = step_.displacement[id1], &d2 = step_.displacement[id2];
-			Twist              moved1, moved2; // by this contact
+			PlanarVector &     d1 = step_.displacement[id1], &d2 = step_.displacement[id2];
+			PlanarVector       moved1, moved2; // by this contact
 			touched_[number] = true;
 			bool displaced   = false;
 			for (int k = 0; k < at.count; ++k) {
 				ContactPoint point;
 				point.normal = at.points[k].normal;
 				const auto center = [&](int id) {
-					const Twist &v = step_.problem.velocity[id], &d = step_.displacement[id];
+					const PlanarVector &v = step_.problem.velocity[id], &d = step_.displacement[id];
 					return step_.bodies[id].center
 					        + Vec2 { step_.dt * v.x + d.x, step_.dt * v.y + d.y };
 				};
@@ -150,7 +150,7 @@ namespace {
 				if (surplus <= tolerance * c.slop()) continue;
 				const double compliance = delassus(point, m1, m2).nn;
 				if (!(compliance > 0)) continue;
-				const Impulse push { surplus / compliance, 0 };
+				const LocalVector push { surplus / compliance, 0 };
 				applyImpulse(point, push, m1, m2, moved1, moved2);
 				displaced = true;
 			}

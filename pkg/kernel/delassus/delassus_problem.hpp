@@ -23,7 +23,7 @@ struct DelassusBlock {
 	double nn = 0, nt = 0, tn = 0, tt = 0; // nt: effect of p_t on u_n
 };
 
-inline Impulse operator*(const DelassusBlock& w, Impulse p)
+inline LocalVector operator*(const DelassusBlock& w, LocalVector p)
 {
 	return { w.nn * p.n + w.nt * p.t, w.tn * p.n + w.tt * p.t };
 }
@@ -34,10 +34,10 @@ struct DelassusProblem {
 	std::vector<std::int32_t> rowStart; // row k has the blocks rowStart[k] … rowStart[k + 1] − 1
 	std::vector<std::int32_t>  column;  // of each block
 	std::vector<DelassusBlock> block;
-	std::vector<Impulse>       freeVelocity;
+	std::vector<LocalVector>   freeVelocity;
 	std::vector<double>        friction;
-	std::vector<Impulse>       impulse;  // in: initial guess; out: solution
-	std::vector<Impulse>       velocity; // out: u of the solution
+	std::vector<LocalVector>   impulse;  // in: initial guess; out: solution
+	std::vector<LocalVector>   velocity; // out: u of the solution
 };
 
 /// Solves the problem with the solver of that name (solve_delassus.cpp).

@@ -73,7 +73,7 @@ static void checkNumbers(const DelassusProblem& problem)
 				refuse("W has a negative diagonal at contact ", k,
 				        "; expected a positive semi-definite matrix");
 		}
-		const Impulse q = problem.freeVelocity[k], p = problem.impulse[k];
+		const LocalVector q = problem.freeVelocity[k], p = problem.impulse[k];
 		if (!finite(q.n, q.t, p.n, p.t))
 			refuse("contact ", k, ": q or the impulse is not finite");
 		if (!(problem.friction[k] >= 0 && std::isfinite(problem.friction[k])))
@@ -103,12 +103,12 @@ namespace {
 
 		void plain()
 		{
-			sweep([](Impulse, Impulse solved, double) { return solved; });
+			sweep([](LocalVector, LocalVector solved, double) { return solved; });
 		}
 
 		void relaxed()
 		{
-			sweep([](Impulse p, Impulse solved, double friction) {
+			sweep([](LocalVector p, LocalVector solved, double friction) {
 				return projectCone(p + relaxation * (solved - p), friction);
 			});
 		}
@@ -116,15 +116,15 @@ namespace {
 		/// A sweep from y = p + β (p − p_old). Returns ‖p − y‖².
 		double accelerated(double momentum)
 		{
-			std::vector<Impulse>& impulse = problem_.impulse;
+			std::vector<LocalVector>& impulse = problem_.impulse;
 			old_.resize(impulse.size());
 			for (std::size_t k = 0; k < impulse.size(); ++k) {
-				const Impulse p = impulse[k];
-				impulse[k]      = p + momentum * (p - old_[k]);
-				old_[k]         = p;
+				const LocalVector p = impulse[k];
+				impulse[k]          = p + momentum * (p - old_[k]);
+				old_[k]             = p;
 			}
 			double change2 = 0;
-			sweep([&](Impulse y, Impulse solved, double) {
+			sweep([&](LocalVector y, LocalVector solved, double) {
 				change2 += square(solved - y);
 				return solved;
 			});
@@ -137,11 +137,11 @@ namespace {
 			double error2 = 0, impulse2 = 0, stopping2 = 0;
 			problem_.velocity.resize(diagonal_.size());
 			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
-				const Impulse p = problem_.impulse[k], u = velocityWithoutOwn(k) + block(k) * p;
-				const double  w = block(k).nn, friction = problem_.friction[k];
+				const LocalVector p = problem_.impulse[k], u = velocityWithoutOwn(k) + block(k) * p;
+				const double      w = block(k).nn, friction = problem_.friction[k];
 				problem_.velocity[k] = u;
 				if (w <= 0) continue;
-				const Impulse shifted { u.n + friction * std::abs(u.t), u.t };
+				const LocalVector shifted { u.n + friction * std::abs(u.t), u.t };
 				error2 += square(p - projectCone(p - (1 / w) * shifted, friction));
 				impulse2 += square(p);
 				stopping2 += u.n / w * (u.n / w);
@@ -153,16 +153,16 @@ namespace {
 		bool exceedsEnergyBound() const
 		{
 			double energy = 0, mass = 0, speed = 0, largest = 0;
-			for (const Impulse& p : problem_.impulse)
+			for (const LocalVector& p : problem_.impulse)
 				largest = std::max(largest, p.n);
 			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
-				const Impulse p = problem_.impulse[k], u = problem_.velocity[k];
+				const LocalVector p = problem_.impulse[k], u = problem_.velocity[k];
 				energy -= dot(p, u);
 				if (p.n <= noiseShare * largest) continue;
 				mass += 1 / block(k).nn;
 				speed = std::max(speed, std::sqrt(square(problem_.freeVelocity[k])));
 			}
-			return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * std::sqrt(mass) * speed;
+			return rcr::exceedsEnergyBound(energy, std::sqrt(mass) * speed);
 		}
 
 		/// Returns true if a point closes that no impulse can open. The residual omits it.
@@ -179,11 +179,11 @@ namespace {
 	private:
 		const DelassusBlock& block(std::size_t k) const { return problem_.block[diagonal_[k]]; }
 
-		/// g of the header.
-		Impulse velocityWithoutOwn(std::size_t k) const
+		/// g_k of the comment at the top.
+		LocalVector velocityWithoutOwn(std::size_t k) const
 		{
-			Impulse    g   = problem_.freeVelocity[k];
-			const auto add = [&](std::int32_t begin, std::int32_t end) {
+			LocalVector g   = problem_.freeVelocity[k];
+			const auto  add = [&](std::int32_t begin, std::int32_t end) {
 				for (std::int32_t e = begin; e < end; ++e)
 					g = g + problem_.block[e] * problem_.impulse[problem_.column[e]];
 			};
@@ -198,9 +198,9 @@ namespace {
 			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
 				const DelassusBlock& w = block(k);
 				if (w.nn <= 0) continue;
-				Impulse&     p        = problem_.impulse[k];
+				LocalVector& p        = problem_.impulse[k];
 				const double friction = problem_.friction[k];
-				Impulse      g        = velocityWithoutOwn(k);
+				LocalVector  g        = velocityWithoutOwn(k);
 				g.t += (w.tn - w.nt) * p.n; // rounding of files: solveCoulomb takes w_tn = w_nt
 				p = next(p, solveCoulomb({ w.nn, w.nt, w.tt }, g.n, g.t, friction), friction);
 			}
@@ -208,7 +208,7 @@ namespace {
 
 		DelassusProblem&          problem_;
 		std::vector<std::int32_t> diagonal_; // of each row: its diagonal block
-		std::vector<Impulse>      old_;      // one sweep before, for momentum
+		std::vector<LocalVector>  old_;      // one sweep before, for momentum
 	};
 
 } // namespace
@@ -231,7 +231,6 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 	}
 	Report report;
 	report.iterations = stop.sweeps();
-	report.work       = double(report.iterations) * double(problem.freeVelocity.size());
 	report.residual   = sweeps.measure();
 	report.converged  = report.residual <= settings.tolerance
 	        && !sweeps.closesBlockedPoint() && !sweeps.exceedsEnergyBound();

@@ -69,7 +69,7 @@ bool Neighbors::findMovedBodies(const Step& step, ThreadTeam& team)
 	moved_.clear();
 	if (reference_.size() != step.bodies.size()) return false;
 	std::atomic<bool> same { true };
-	isMoved_.assign(reference_.size(), false);
+	isSearched_.assign(reference_.size(), false);
 	team.forEach(reference_.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
 		const Reference& at   = reference_[id];
@@ -77,11 +77,12 @@ bool Neighbors::findMovedBodies(const Step& step, ThreadTeam& team)
 		if (!isSame(at.shape, body.shape))
 			same.store(false, std::memory_order_relaxed);
 		else
-			isMoved_[id] = displacement(at, body) + body.alertDistance - at.alertDistance > margin_;
+			isSearched_[id]
+			        = displacement(at, body) + body.alertDistance - at.alertDistance > margin_;
 	});
 	if (!same) return false;
-	for (std::size_t id = 0; id < isMoved_.size(); ++id)
-		if (isMoved_[id]) moved_.push_back(std::int32_t(id));
+	for (std::size_t id = 0; id < isSearched_.size(); ++id)
+		if (isSearched_[id]) moved_.push_back(std::int32_t(id));
 	return true;
 }
 
@@ -232,7 +233,7 @@ void Neighbors::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam
 			if (!isWide_[other]) take(other);
 		});
 		for (std::int32_t other : wide_)
-			if (other > id || (other < id && !isMoved_[other])) take(other);
+			if (other > id || (other < id && !isSearched_[other])) take(other);
 	});
 	const std::size_t before = list_.size();
 	for (const List& found : found_)
@@ -249,7 +250,7 @@ void Neighbors::find(const Step& step, ThreadTeam& team)
 	sortIntoCells();
 	searchNarrow(team);
 	wideAtFirst_ = wide_.size();
-	isMoved_ = isWide_; // each pair of two wide bodies is found once
+	isSearched_ = isWide_; // each pair of two wide bodies is found once
 	searchAround(wide_, team);
 }
 
@@ -262,7 +263,7 @@ void Neighbors::repair(const Step& step, ThreadTeam& team)
 		isWide_[id] = true;
 	}
 	const auto moved = [&](const auto& pair) {
-		return isMoved_[pair.first] || isMoved_[pair.second];
+		return isSearched_[pair.first] || isSearched_[pair.second];
 	};
 	list_.erase(std::remove_if(list_.begin(), list_.end(), moved), list_.end());
 	searchAround(moved_, team);

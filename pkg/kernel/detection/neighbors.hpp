@@ -1,7 +1,7 @@
 // List of all pairs of bodies that may touch within some steps (Verlet list).
 //
 // A pair has a contact if its gap is at most ℓ₁ + ℓ₂, the alert distances of its bodies
-// (undetected_contacts.hpp). The list holds all pairs with a gap up to ℓ₁ + ℓ₂ + 2 margin. It is
+// (late_contacts.hpp). The list holds all pairs with a gap up to ℓ₁ + ℓ₂ + 2 margin. It is
 // valid while every body satisfies
 //
 //   |x − x₀| + a |τ − τ₀| + ℓ − ℓ₀ ≤ margin
@@ -68,7 +68,7 @@ private:
 	std::vector<char>              isWide_;
 	std::size_t                    wideAtFirst_ = 0; // their number when the list was made
 	std::vector<std::int32_t>      moved_; // bodies that violate the condition
-	std::vector<char>              isMoved_;
+	std::vector<char>              isSearched_; // per body: searchAround searches its pairs
 	std::vector<List>              found_; // per part of the bodies
 };
 

@@ -47,38 +47,38 @@ void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 		for (int point = 0; point < 2; ++point)
 			along[point] = positionAlong(one.shape, at1, at2, detected.points[point]);
 		carryForward(pair.pointCount, pair.along, detected.count, along, pair.force[0],
-		        pair.force[1], Impulse {});
+		        pair.force[1], LocalVector {});
 		manifold[k]     = detected;
 		pair.pointCount = detected.count;
 		std::copy_n(along, 2, pair.along);
 	});
 }
 
-void Pairs::addDetected(const Step& step, long iteration)
+void Pairs::addLateContacts(const Step& step, long iteration)
 {
 	if (step.added.empty()) return;
 	Neighbors::List list;
 	list.reserve(all.size() + step.added.size());
 	for (const Pair& pair : all)
 		list.emplace_back(pair.body1, pair.body2);
-	for (const DetectedContact& detected : step.added)
-		list.emplace_back(detected.body1, detected.body2);
+	for (const LateContact& late : step.added)
+		list.emplace_back(late.body1, late.body2);
 	std::sort(list.begin() + all.size(), list.end());
 	std::inplace_merge(list.begin(), list.begin() + all.size(), list.end());
 	list.erase(std::unique(list.begin(), list.end()), list.end());
 	assign(list);
-	for (const DetectedContact& detected : step.added) {
-		Pair& pair = *std::lower_bound(all.begin(), all.end(), detected, precedes);
-		if (!detected.known) {
-			pair.friction = detected.friction, pair.restitution = detected.restitution;
+	for (const LateContact& late : step.added) {
+		Pair& pair = *std::lower_bound(all.begin(), all.end(), late, precedes);
+		if (!late.known) {
+			pair.friction = late.friction, pair.restitution = late.restitution;
 			pair.formedAt = iteration;
 		}
-		manifold[&pair - all.data()] = detected.manifold;
-		pair.pointCount              = detected.manifold.count;
+		manifold[&pair - all.data()] = late.manifold;
+		pair.pointCount              = late.manifold.count;
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		for (int k = 0; k < 2; ++k)
 			pair.along[k] = positionAlong(
-			        one.shape, one.pose(), two.pose(), detected.manifold.points[k]);
+			        one.shape, one.pose(), two.pose(), late.manifold.points[k]);
 	}
 }
 
@@ -88,11 +88,11 @@ void Pairs::numberContacts(Step& step) const
 	for (StepContact& contact : step.contacts) {
 		while (precedes(*pair, contact))
 			++pair;
-		contact.sourceIndex = int(pair - all.begin());
+		contact.handleIndex = int(pair - all.begin());
 	}
 }
 
-void Pairs::writeContacts(Step& step, ThreadTeam& team) const
+void Pairs::fillStep(Step& step, ThreadTeam& team) const
 {
 	// numbers of pairs that touch, and of their first points
 	std::vector<std::int32_t> touching, first;
@@ -122,7 +122,7 @@ void Pairs::storeForces(const Step& step, ThreadTeam& team)
 {
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		std::copy_n(&step.force[contact.first], contact.count, all[contact.sourceIndex].force);
+		std::copy_n(&step.force[contact.first], contact.count, all[contact.handleIndex].force);
 	});
 }
 

@@ -10,12 +10,12 @@ namespace rcr {
 struct Pair {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t pointCount       = 0;     // contact points; 0: no contact
-	std::int32_t interactionIndex = -1;    // number of the contact in the simulation; −1: none
+	std::int32_t handleIndex      = -1;    // index in SceneHandles::sorted; −1: none
 	bool         isNew            = false; // found by the last detection
 	long         formedAt = -1; // iteration of its first step; −1: stored in the simulation
 	double       friction = 0, restitution = 0;
 	double       along[2] {}; // positionAlong of each point [m]
-	Impulse      force[2];    // of each point [N]
+	LocalVector  force[2];    // of each point [N]
 };
 
 struct Pairs {
@@ -30,10 +30,10 @@ struct Pairs {
 	/// forward. `keepContacts`: contacts beyond the present reach remain.
 	void detect(const Step&, ThreadTeam&, bool keepContacts);
 
-	void addDetected(const Step&, long iteration); // adds the contacts of Step::added
-	void numberContacts(Step&) const;              // sets StepContact::sourceIndex
-	void writeContacts(Step&, ThreadTeam&) const;  // contacts with the forces that they start from
-	void storeForces(const Step&, ThreadTeam&);    // of a solved step
+	void addLateContacts(const Step&, long iteration); // those of Step::added
+	void numberContacts(Step&) const;                  // sets StepContact::handleIndex
+	void fillStep(Step&, ThreadTeam&) const;           // with contacts and their first forces
+	void storeForces(const Step&, ThreadTeam&);        // of a solved step
 };
 
 } // namespace rcr

@@ -13,7 +13,7 @@ namespace {
 	/// The change of a contact's piece: K += column rowᵀ, in (n, t).
 	struct RankOne {
 		std::size_t contact;
-		Impulse     column, row;
+		LocalVector column, row;
 	};
 
 	/// The nearest edge of the present pieces.
@@ -57,11 +57,11 @@ namespace {
 		void start()
 		{
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				const Impulse p = problem_.reference[i], u = problem_.referenceVelocity[i];
-				const double  limit = problem_.contacts[i].friction * p.n;
-				const int     side  = p.t > 0 ? 1 : -1;
-				Piece&        piece = problem_.pieces[i];
-				shift_[i]           = {};
+				const LocalVector p = problem_.reference[i], u = problem_.referenceVelocity[i];
+				const double      limit = problem_.contacts[i].friction * p.n;
+				const int         side  = p.t > 0 ? 1 : -1;
+				Piece&            piece = problem_.pieces[i];
+				shift_[i]               = {};
 				if (p.n <= 0) {
 					piece = { Piece::apart, 0 };
 					if (u.n < 0) shift_[i].n = -u.n;
@@ -87,9 +87,9 @@ namespace {
 			if (!problem_.factor()) return false;
 			std::fill(direction_.begin(), direction_.end(), BlockVector {});
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				const Piece   piece = problem_.pieces[i];
-				const double  k     = problem_.stiffness[i];
-				const Impulse e     = shift_[i];
+				const Piece       piece = problem_.pieces[i];
+				const double      k     = problem_.stiffness[i];
+				const LocalVector e     = shift_[i];
 				if (piece.kind == Piece::apart) continue;
 				const double t = piece.kind == Piece::stick
 				        ? k * e.t
@@ -114,11 +114,11 @@ namespace {
 				edge = { std::max(0.0, -value / slope), contact, beyond, true };
 			};
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				const double  k = problem_.stiffness[i], mu = problem_.contacts[i].friction;
-				const Impulse p = problem_.reference[i];
-				const double  n = p.n - k * velocity_[i].n, dn = -k * rate_[i].n;
-				const double  t = p.t - k * velocity_[i].t, dt = -k * rate_[i].t;
-				const Piece   piece = problem_.pieces[i];
+				const double      k = problem_.stiffness[i], mu = problem_.contacts[i].friction;
+				const LocalVector p = problem_.reference[i];
+				const double      n = p.n - k * velocity_[i].n, dn = -k * rate_[i].n;
+				const double      t = p.t - k * velocity_[i].t, dt = -k * rate_[i].t;
+				const Piece       piece = problem_.pieces[i];
 				if (piece.kind == Piece::apart) {
 					if (dn > 0) consider(n, dn, i, enter(mu, t + dt * std::max(0.0, -n / dn)));
 				} else if (piece.kind == Piece::stick) {
@@ -157,8 +157,8 @@ namespace {
 			std::fill(response_.begin(), response_.end(), BlockVector {});
 			applyImpulse(c, change.column, response_);
 			applyInverse(response_);
-			const Impulse r     = relativeVelocity(c, response_);
-			const double  delta = 1 + change.row.n * r.n
+			const LocalVector r     = relativeVelocity(c, response_);
+			const double      delta = 1 + change.row.n * r.n
 			        + change.row.t * r.t; // ratio of the determinants
 			if (!(delta > 0)) {
 				findUnstable();
@@ -167,8 +167,8 @@ namespace {
 			problem_.pieces[change.contact] = edge.beyond;
 			++end_.pivots;
 			if (updates_.size() == maxUpdates) return findDirection();
-			const Impulse du     = rate_[change.contact];
-			const double  amount = dot(change.row, du) / delta;
+			const LocalVector du     = rate_[change.contact];
+			const double      amount = dot(change.row, du) / delta;
 			for (std::size_t i = 0; i < problem_.size(); ++i)
 				rate_[i] = rate_[i] - amount * relativeVelocity(problem_.contacts[i], response_);
 			updates_.push_back({ change, delta, response_ });
@@ -193,8 +193,8 @@ namespace {
 		{
 			problem_.matrix.solve(b);
 			for (const Update& update : updates_) {
-				const Impulse u = relativeVelocity(problem_.contacts[update.change.contact], b);
-				const double  amount = dot(update.change.row, u) / update.delta;
+				const LocalVector u = relativeVelocity(problem_.contacts[update.change.contact], b);
+				const double      amount = dot(update.change.row, u) / update.delta;
 				for (std::size_t i = 0; i < b.size(); ++i)
 					for (int j = 0; j < 4; ++j)
 						b[i].entry[j] -= amount * update.response[i].entry[j];
@@ -208,8 +208,8 @@ namespace {
 			std::vector<double> energy(problem_.size(), 0);
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
 				if (problem_.pieces[i].kind == Piece::apart) continue;
-				const Impulse u = relativeVelocity(problem_.contacts[i], response_);
-				energy[i]       = problem_.stiffness[i] * square(u);
+				const LocalVector u = relativeVelocity(problem_.contacts[i], response_);
+				energy[i]           = problem_.stiffness[i] * square(u);
 			}
 			const double least = minEnergyShare * *std::max_element(energy.begin(), energy.end());
 			for (std::size_t i = 0; i < problem_.size(); ++i)
@@ -229,14 +229,14 @@ namespace {
 			BodyVector response; // A⁻¹ x just before the change
 		};
 
-		ProximalProblem&     problem_;
-		std::vector<Impulse> shift_;    // e
-		std::vector<Impulse> velocity_; // u + (1 − t) e on the path
-		std::vector<Impulse> rate_;     // its derivative by t
-		BodyVector           direction_, response_;
-		std::vector<Update>  updates_;
-		double               t_ = 0;
-		PathEnd              end_;
+		ProximalProblem&         problem_;
+		std::vector<LocalVector> shift_;    // e
+		std::vector<LocalVector> velocity_; // u + (1 − t) e on the path
+		std::vector<LocalVector> rate_;     // its derivative by t
+		BodyVector               direction_, response_;
+		std::vector<Update>      updates_;
+		double                   t_ = 0;
+		PathEnd                  end_;
 	};
 
 } // namespace

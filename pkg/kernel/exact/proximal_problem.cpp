@@ -53,7 +53,7 @@ static std::vector<BlockLu::Pair> findPairs(std::vector<ScaledContact>& contacts
 }
 
 /// Impulse of the law for a predictor.
-static Impulse lawOf(Impulse predictor, double friction)
+static LocalVector lawOf(LocalVector predictor, double friction)
 {
 	if (predictor.n <= 0) return {};
 	const double limit = friction * predictor.n;

@@ -47,11 +47,11 @@ struct Piece {
 using BodyVector = std::vector<BlockVector>;
 
 /// Ĵ y of one contact point.
-inline Impulse relativeVelocity(const ScaledContact& c, const BodyVector& y)
+inline LocalVector relativeVelocity(const ScaledContact& c, const BodyVector& y)
 {
 	const double* a = y[c.body1].entry;
 	const double* b = y[c.body2].entry;
-	Impulse       u;
+	LocalVector   u;
 	for (int i = 0; i < 3; ++i) {
 		u.n += c.normal1.entry[i] * a[i] + c.normal2.entry[i] * b[i];
 		u.t += c.tangent1.entry[i] * a[i] + c.tangent2.entry[i] * b[i];
@@ -60,7 +60,7 @@ inline Impulse relativeVelocity(const ScaledContact& c, const BodyVector& y)
 }
 
 /// y ← y + Ĵᵀ p of one contact point.
-inline void applyImpulse(const ScaledContact& c, const Impulse& p, BodyVector& y)
+inline void applyImpulse(const ScaledContact& c, const LocalVector& p, BodyVector& y)
 {
 	for (int i = 0; i < 3; ++i) {
 		y[c.body1].entry[i] += c.normal1.entry[i] * p.n + c.tangent1.entry[i] * p.t;
@@ -87,9 +87,9 @@ public:
 	std::vector<ScaledContact> contacts;
 	std::vector<double>        stiffness; // k
 	std::vector<Piece>         pieces;
-	std::vector<Impulse>       reference;         // p_ref
-	std::vector<Impulse>       referenceVelocity; // u_ref + b_n n
-	std::vector<Impulse>       predictor;         // π at the end of the step
+	std::vector<LocalVector>   reference;         // p_ref
+	std::vector<LocalVector>   referenceVelocity; // u_ref + b_n n
+	std::vector<LocalVector>   predictor;         // π at the end of the step
 	BlockLu                    matrix;
 
 private:

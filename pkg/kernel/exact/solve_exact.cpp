@@ -29,8 +29,8 @@ namespace {
 
 	/// The best impulses so far.
 	struct Best {
-		Errors               errors;
-		std::vector<Impulse> impulse;
+		Errors                   errors;
+		std::vector<LocalVector> impulse;
 
 		/// Largest ratio of a measure to its criterion: ≤ 1 if both are met. A criterion of 0
 		/// counts as the smallest positive number.
@@ -59,7 +59,7 @@ namespace {
 	}
 
 	/// One proximal step about the present impulses.
-	PathEnd step(ContactProblem& problem, ProximalProblem& proximal,
+	PathEnd proximalStep(ContactProblem& problem, ProximalProblem& proximal,
 	        std::vector<ProximalParameter>& rho, int maxIterations)
 	{
 		proximal.setReference(problem);
@@ -94,8 +94,9 @@ Report sweepForExactSteps(ContactProblem& problem, const Settings& settings, Wor
 Report solveExact(ContactProblem& problem, const Settings& settings, const Report& swept,
         Workspace& workspace)
 {
-	std::vector<Impulse> before; // impulses before the last sweeps or step, to detect divergence
-	const auto           remember = [&] {
+	// impulses before the last sweeps or step, to detect divergence
+	std::vector<LocalVector> before;
+	const auto               remember = [&] {
         if (settings.mayYield()) before = problem.impulse;
 	};
 	Report     report   = swept;
@@ -112,9 +113,9 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {
 		remember();
-		const PathEnd end = step(problem, proximal, rho, left() / settings.exactCost);
+		const PathEnd end = proximalStep(problem, proximal, rho, left() / settings.exactCost);
 		report.iterations += settings.exactCost * (1 + end.pivots);
-		if (mustYield()) return report.after(swept);
+		if (mustYield()) return report.plusWorkOf(swept);
 		best.offer({ errorsOf(problem, settings.velocityFloor), problem.impulse }, settings);
 		if (!end.complete && left() > 0) {
 			const int most    = std::min(repairSweeps + pivotSweeps * end.pivots, left());
@@ -122,7 +123,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 			again.sameProblem = true;
 			remember();
 			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
-			if (mustYield()) return report.after(swept);
+			if (mustYield()) return report.plusWorkOf(swept);
 		}
 	}
 	problem.impulse = best.impulse;
@@ -133,7 +134,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	report.dissipated     = dissipatedEnergy(problem);
 	report.impulseGrowth  = std::numeric_limits<double>::infinity(); // unknown after exact steps
 	report.converged      = report.meetsTolerances(settings);
-	return report.after(swept);
+	return report.plusWorkOf(swept);
 }
 
 } // namespace rcr

@@ -47,7 +47,7 @@ struct PlanarShape {
 	}
 
 	/// Circumscribed radius of a grain [m]; 0 for an obstacle.
-	double contactRadius() const { return grain() ? radius() : 0; }
+	double circumscribedRadius() const { return grain() ? radius() : 0; }
 };
 
 inline Pose segmentPose(const PlanarShape& segment, const Pose& body)
@@ -77,7 +77,7 @@ inline BoundingBox boundsOf(const PlanarShape& s, const Pose& body)
 /// R₁ + R₂ of a pair [m], the scale of overlaps. An obstacle has the radius of the grain.
 inline double contactSize(const PlanarShape& one, const PlanarShape& two)
 {
-	const double r1 = one.contactRadius(), r2 = two.contactRadius();
+	const double r1 = one.circumscribedRadius(), r2 = two.circumscribedRadius();
 	return (r1 > 0 ? r1 : r2) + r2;
 }
 

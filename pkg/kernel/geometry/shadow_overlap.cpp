@@ -47,11 +47,11 @@ namespace {
 
 	Facing swapped(const Facing& f) { return { f.core2, f.core1, -f.normal, f.distance, f.side }; }
 
-	/// Distances between the projections of two core segments along and across each segment.
-	struct Separation {
-		double along1, across1, along2, across2; // negative: the projections overlap
+	/// Gaps between the projections of two core segments, along and across each segment [m].
+	struct ProjectedGaps {
+		double along1, across1, along2, across2; // negative: overlap
 
-		Separation(Vec2 d, Vec2 axis1, double a1, Vec2 axis2, double a2)
+		ProjectedGaps(Vec2 d, Vec2 axis1, double a1, Vec2 axis2, double a2)
 		{
 			const double sine = std::abs(cross(axis1, axis2)), cosine = std::abs(dot(axis1, axis2));
 			along1  = std::abs(dot(axis1, d)) - a1 - a2 * cosine;
@@ -205,8 +205,8 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 	const Vec2   d = at2.center - at1.center;
 	const double maxDistance = s1.halfLength + s1.capRadius + s2.halfLength + s2.capRadius + maxGap;
 	if (dot(d, d) > maxDistance * maxDistance) return {};
-	const Separation separation(d, at1.axis, s1.halfLength, at2.axis, s2.halfLength);
-	if (separation.lowerBound() > s1.capRadius + s2.capRadius + maxGap) return {};
+	const ProjectedGaps gaps(d, at1.axis, s1.halfLength, at2.axis, s2.halfLength);
+	if (gaps.lowerBound() > s1.capRadius + s2.capRadius + maxGap) return {};
 
 	const Vec2 core1 = s1.halfLength * at1.axis, core2 = s2.halfLength * at2.axis;
 	Facing     facing[4] = {
@@ -215,7 +215,7 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 		    swapped(project(at1.center - core1, at2.center, at2.axis, s2.halfLength, -d)),
 		    swapped(project(at1.center + core1, at2.center, at2.axis, s2.halfLength, -d)),
 	};
-	if (separation.crossing()) {
+	if (gaps.crossing()) {
 		// Moves the end of the smallest depth back to its side. Ends beyond the other core count
 		// too, with their distance to its line: they also bound the translation.
 		Facing least;

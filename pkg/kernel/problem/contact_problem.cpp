@@ -15,7 +15,7 @@ static void checkSize(const char* what, std::size_t given, std::size_t expected)
 }
 
 /// Error of a body; null: none.
-static const char* bodyError(const InverseMass& m, const Twist& v)
+static const char* bodyError(const InverseMass& m, const PlanarVector& v)
 {
 	if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation))
 		return ": a mass or velocity is not finite";
@@ -25,7 +25,7 @@ static const char* bodyError(const InverseMass& m, const Twist& v)
 }
 
 /// Error of a contact point; null: none.
-static const char* pointError(const ContactPoint& c, const Impulse& p, std::size_t bodies)
+static const char* pointError(const ContactPoint& c, const LocalVector& p, std::size_t bodies)
 {
 	// a negative id becomes huge
 	if (std::size_t(c.body1) >= bodies || std::size_t(c.body2) >= bodies)
@@ -50,8 +50,8 @@ void ContactProblem::setStretchRate(Vec2 now)
 	stretchRate = now;
 }
 
-Vec2 addImpulses(const ContactProblem& problem, const std::vector<Impulse>& impulse,
-        std::vector<Twist>& velocity)
+Vec2 addImpulses(const ContactProblem& problem, const std::vector<LocalVector>& impulse,
+        std::vector<PlanarVector>& velocity)
 {
 	Vec2 stretching; // M_c δg
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
@@ -74,8 +74,8 @@ double drivenSpeed(const ContactProblem& problem)
 {
 	double     fastest = 0;
 	const auto include = [&](int body, Vec2 arm) {
-		const Twist v = problem.prescribedMotion(body);
-		fastest       = std::max(fastest, norm(Vec2 { v.x, v.y } + cross(v.rotation, arm)));
+		const PlanarVector v = problem.prescribedMotion(body);
+		fastest              = std::max(fastest, norm(Vec2 { v.x, v.y } + cross(v.rotation, arm)));
 	};
 	for (const ContactPoint& c : problem.points) {
 		include(c.body1, c.arm1);

@@ -11,7 +11,7 @@
 //
 // | symbol | field              | unit      | meaning                                             |
 // |--------|--------------------|-----------|-----------------------------------------------------|
-// | v, ω   | Twist              | m/s, 1/s  | velocity of a body                                  |
+// | v, ω   | PlanarVector       | m/s, 1/s  | velocity of a body                                  |
 // | M⁻¹    | InverseMass        | 1/kg, 1/(kg m²) | 0: this degree of freedom is prescribed       |
 // | n      | normal             | –         | unit, from body 1 to body 2; t: n rotated by +90°   |
 // | r₁, r₂ | arm1, arm2         | m         | point minus centre of body 1, of body 2             |
@@ -21,7 +21,7 @@
 // | s      | shift              | m         | from body 2 to that image; 0 without CellStress     |
 // | M_c⁻¹  | inverseStretchMass | 1/(kg m²) | 0: the motion of the cell is prescribed             |
 // | δg     | stretchRate        | 1/s       | out: change of the stretch rates by contacts        |
-// | p      | Impulse            | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
+// | p      | LocalVector        | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
 //
 // Masses, impulses and forces are per unit depth of the plane.
 // Source: Moreau 1999 (contact dynamics); Jean 1999; De Saxcé and Feng 1998 (residual.hpp).
@@ -42,38 +42,44 @@ struct InverseMass {
 
 	/// Returns true if no impulse changes the motion of the body.
 	bool prescribed() const { return x == 0 && y == 0 && rotation == 0; }
-	/// Returns true if the body can move along an axis. A pivot can only turn.
+	/// Returns true if the body can move along an axis. A hinged body can only turn.
 	bool translates() const { return x > 0 || y > 0; }
 	/// Mass along the axis of the larger inverse mass [kg]; 0: the body does not translate.
 	double mass() const { return translates() ? 1 / std::max(x, y) : 0; }
 };
 
 /// Components (x, y, rotation) of a velocity, displacement, impulse or force of a body.
-struct Twist {
+struct PlanarVector {
 	double x = 0, y = 0, rotation = 0;
 };
 
-inline Twist operator+(const Twist& a, const Twist& b)
+inline PlanarVector operator+(const PlanarVector& a, const PlanarVector& b)
 {
 	return { a.x + b.x, a.y + b.y, a.rotation + b.rotation };
 }
-inline Twist operator-(const Twist& a, const Twist& b)
+inline PlanarVector operator-(const PlanarVector& a, const PlanarVector& b)
 {
 	return { a.x - b.x, a.y - b.y, a.rotation - b.rotation };
 }
-inline Twist operator*(double s, const Twist& a) { return { s * a.x, s * a.y, s * a.rotation }; }
-inline Twist operator/(const Twist& a, double s) { return { a.x / s, a.y / s, a.rotation / s }; }
+inline PlanarVector operator*(double s, const PlanarVector& a)
+{
+	return { s * a.x, s * a.y, s * a.rotation };
+}
+inline PlanarVector operator/(const PlanarVector& a, double s)
+{
+	return { a.x / s, a.y / s, a.rotation / s };
+}
 
 /// Components (n, t) of an impulse, force or velocity at a contact point.
-struct Impulse {
+struct LocalVector {
 	double n = 0, t = 0;
 };
 
-inline Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
-inline Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
-inline Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
-inline double  dot(Impulse a, Impulse b) { return a.n * b.n + a.t * b.t; }
-inline double  square(Impulse a) { return dot(a, a); }
+inline LocalVector operator+(LocalVector a, LocalVector b) { return { a.n + b.n, a.t + b.t }; }
+inline LocalVector operator-(LocalVector a, LocalVector b) { return { a.n - b.n, a.t - b.t }; }
+inline LocalVector operator*(double s, LocalVector a) { return { s * a.n, s * a.t }; }
+inline double      dot(LocalVector a, LocalVector b) { return a.n * b.n + a.t * b.t; }
+inline double      square(LocalVector a) { return dot(a, a); }
 
 struct ContactPoint {
 	std::int32_t body1 = 0, body2 = 0;
@@ -95,15 +101,15 @@ struct ContactPoint {
 
 struct ContactProblem {
 	// per body
-	std::vector<InverseMass> inverseMass;
-	std::vector<Twist>       freeVelocity; // at the end of the step, without contact impulses
-	std::vector<Twist>       velocity;     // out: consistent with `impulse`
+	std::vector<InverseMass>  inverseMass;
+	std::vector<PlanarVector> freeVelocity; // at the end of the step, without contact impulses
+	std::vector<PlanarVector> velocity;     // out: consistent with `impulse`
 	// in, out: contacts of the body have yielded in this step; may be empty
 	std::vector<char>        yielded;
 
 	// per contact point; the points of a pair are adjacent
 	std::vector<ContactPoint> points;
-	std::vector<Impulse>      impulse; // in: warm start; out: solution
+	std::vector<LocalVector>  impulse; // in: warm start; out: solution
 	// bias of a yielding contact that removes its overlap, ≤ 0 [m/s]; may be empty
 	std::vector<double>       recoveryBias;
 
@@ -118,17 +124,17 @@ struct ContactProblem {
 	bool hasYielded(int body) const { return !yielded.empty() && yielded[body]; }
 
 	/// Prescribed components of the velocity of a body; free components are 0 [m/s, 1/s].
-	Twist prescribedMotion(int body) const
+	PlanarVector prescribedMotion(int body) const
 	{
-		const InverseMass& m = inverseMass[body];
-		const Twist&       v = freeVelocity[body];
+		const InverseMass&  m = inverseMass[body];
+		const PlanarVector& v = freeVelocity[body];
 		return { m.x == 0 ? v.x : 0, m.y == 0 ? v.y : 0, m.rotation == 0 ? v.rotation : 0 };
 	}
 
 	/// Returns true if a prescribed velocity component of the body is not zero.
 	bool driven(int body) const
 	{
-		const Twist v = prescribedMotion(body);
+		const PlanarVector v = prescribedMotion(body);
 		return v.x != 0 || v.y != 0 || v.rotation != 0;
 	}
 };
@@ -137,7 +143,8 @@ struct ContactProblem {
 double drivenSpeed(const ContactProblem&);
 
 /// u at a point for given velocities of its bodies, components (n, t) [m/s].
-inline Impulse relativeVelocity(const ContactPoint& c, const Twist& v1, const Twist& v2)
+inline LocalVector relativeVelocity(
+        const ContactPoint& c, const PlanarVector& v1, const PlanarVector& v2)
 {
 	const Vec2 u = Vec2 { v2.x, v2.y } + cross(v2.rotation, c.arm2) - Vec2 { v1.x, v1.y }
 	        - cross(v1.rotation, c.arm1) + c.drift;
@@ -145,13 +152,13 @@ inline Impulse relativeVelocity(const ContactPoint& c, const Twist& v1, const Tw
 }
 
 /// u at a point for the velocities of the problem [m/s].
-inline Impulse relativeVelocity(const ContactProblem& problem, const ContactPoint& c)
+inline LocalVector relativeVelocity(const ContactProblem& problem, const ContactPoint& c)
 {
 	return relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 }
 
 /// u at a point for the free velocities of its bodies, without the stretch by contacts [m/s].
-inline Impulse freeRelativeVelocity(const ContactProblem& problem, const ContactPoint& c)
+inline LocalVector freeRelativeVelocity(const ContactProblem& problem, const ContactPoint& c)
 {
 	ContactPoint free = c;
 	free.drift        = c.freeDrift(problem.stretchRate);
@@ -159,11 +166,11 @@ inline Impulse freeRelativeVelocity(const ContactProblem& problem, const Contact
 }
 
 /// Components along x and y of an impulse (n, t) at a point with this normal.
-inline Vec2 toCartesian(Vec2 normal, Impulse p) { return p.n * normal + p.t * perp(normal); }
+inline Vec2 toCartesian(Vec2 normal, LocalVector p) { return p.n * normal + p.t * perp(normal); }
 
 /// Adds M⁻¹ Jᵀ p of one point to the velocities of its two bodies.
-inline void applyImpulse(const ContactPoint& c, const Impulse& p, const InverseMass& m1,
-        const InverseMass& m2, Twist& v1, Twist& v2)
+inline void applyImpulse(const ContactPoint& c, const LocalVector& p, const InverseMass& m1,
+        const InverseMass& m2, PlanarVector& v1, PlanarVector& v2)
 {
 	const Vec2 f = toCartesian(c.normal, p);
 	v1.x -= m1.x * f.x;
@@ -175,8 +182,8 @@ inline void applyImpulse(const ContactPoint& c, const Impulse& p, const InverseM
 }
 
 /// Adds M⁻¹ Jᵀ p of all points to the velocities. Returns δg.
-Vec2 addImpulses(
-        const ContactProblem&, const std::vector<Impulse>&, std::vector<Twist>& velocity);
+Vec2 addImpulses(const ContactProblem&, const std::vector<LocalVector>&,
+        std::vector<PlanarVector>& velocity);
 
 /// Writes v_free + M⁻¹ Jᵀ p to `velocity`, and sets the stretch rate if the cell can stretch.
 void updateVelocity(ContactProblem&);

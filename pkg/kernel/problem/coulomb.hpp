@@ -56,12 +56,12 @@ inline Delassus delassus(const ContactProblem& problem, const ContactPoint& c)
 }
 
 /// Impulse of one point [N s]; `gn` is g_n + b_n [m/s]. Requires w.nn > 0.
-inline Impulse solveCoulomb(const Delassus& w, double gn, double gt, double friction)
+inline LocalVector solveCoulomb(const Delassus& w, double gn, double gt, double friction)
 {
 	if (gn >= 0) return {};
 	const double slip = gt - w.nt * gn / w.nn; // tangential velocity without friction
 	if (friction <= 0 || slip == 0) return { -gn / w.nn, 0 };
-	// 0 if the bodies can move in one way only: a wall along one axis, or a pivot
+	// 0 if the bodies can move in one way only: a wall along one axis, or a hinged body
 	const double schur = w.tt - w.nt * w.nt / w.nn;
 	if (schur > roundingShare * w.tt) {
 		const double t = -slip / schur, n = -(gn + w.nt * t) / w.nn;
@@ -77,25 +77,25 @@ inline Impulse solveCoulomb(const Delassus& w, double gn, double gt, double fric
 /// Largest factor φ ≤ 1 of the restitution bias b_n < 0 for which one point adds no energy [-]:
 /// p · (u + u⁻) ≤ 0. p and u solve the point for φ b_n with all other impulses fixed. Returns 1 if
 /// the gain is below 1e-3 |p| |u⁻|, the error of the solver.
-inline double passiveRestitutionFactor(
-        const Delassus& w, Impulse p, Impulse before, Impulse after, double bias, double friction)
+inline double passiveRestitutionFactor(const Delassus& w, LocalVector p, LocalVector before,
+        LocalVector after, double bias, double friction)
 {
-	const Impulse rest { after.n - w.nn * p.n - w.nt * p.t,
-		                 after.t - w.nt * p.n - w.tt * p.t }; // u without p
+	const LocalVector rest { after.n - w.nn * p.n - w.nt * p.t,
+		                     after.t - w.nt * p.n - w.tt * p.t }; // u without p
 	if (dot(p, after + before) <= 1e-3 * std::hypot(p.n, p.t) * std::hypot(before.n, before.t))
 		return 1;
 	double passive = 0, active = 1;
 	for (int halving = 0; halving < 30; ++halving) {
-		const double  factor = 0.5 * (passive + active);
-		const Impulse q      = solveCoulomb(w, rest.n + factor * bias, rest.t, friction);
-		const Impulse u { rest.n + w.nn * q.n + w.nt * q.t, rest.t + w.nt * q.n + w.tt * q.t };
+		const double      factor = 0.5 * (passive + active);
+		const LocalVector q      = solveCoulomb(w, rest.n + factor * bias, rest.t, friction);
+		const LocalVector u { rest.n + w.nn * q.n + w.nt * q.t, rest.t + w.nt * q.n + w.tt * q.t };
 		(dot(q, u + before) > 0 ? active : passive) = factor;
 	}
 	return passive;
 }
 
 /// Orthogonal projection onto the cone |t| ≤ µ n.
-inline Impulse projectCone(Impulse p, double friction)
+inline LocalVector projectCone(LocalVector p, double friction)
 {
 	const double t = std::abs(p.t);
 	if (friction * t <= -p.n) return {}; // first: for µ = t = 0, the next test holds for any n
@@ -105,9 +105,9 @@ inline Impulse projectCone(Impulse p, double friction)
 }
 
 /// Error p − P_K(p − (u + µ|u_t| n)/w_nn) of one point (residual.hpp). `u` includes the bias b_n.
-inline Impulse lawError(Impulse p, Impulse u, double friction, double wnn)
+inline LocalVector lawError(LocalVector p, LocalVector u, double friction, double wnn)
 {
-	const Impulse stepped { p.n - (u.n + friction * std::abs(u.t)) / wnn, p.t - u.t / wnn };
+	const LocalVector stepped { p.n - (u.n + friction * std::abs(u.t)) / wnn, p.t - u.t / wnn };
 	return p - projectCone(stepped, friction);
 }
 

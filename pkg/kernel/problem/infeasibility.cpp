@@ -8,12 +8,12 @@
 
 namespace rcr {
 
-/// Least response of a wall or a pivot to an impulse, over that to the best placed one. A smaller
-/// direction or lever hardly moves it: its speed would be over ten times that of the point.
+/// Least response of a wall or a hinged body to an impulse, over that to the best placed one. A
+/// smaller direction or lever hardly moves it: its speed would be over ten times that of the point.
 constexpr double leastResponse = 0.01;
 
-/// Mass of a body at a point with this arm and response w_nn of the body alone. A wall or a pivot
-/// has the mass that the point meets. Infinite: prescribed or blocked.
+/// Mass of a body at a point with this arm and response w_nn of the body alone. A wall or a
+/// hinged body has the mass that the point meets. Infinite: prescribed or blocked.
 static double massAt(const InverseMass& m, Vec2 arm, double response)
 {
 	if (m.x > 0 && m.y > 0) return m.mass();
@@ -23,10 +23,10 @@ static double massAt(const InverseMass& m, Vec2 arm, double response)
 }
 
 /// V_s of a direction.
-static double velocityScale(const ContactProblem& problem, const std::vector<Impulse>& d)
+static double velocityScale(const ContactProblem& problem, const std::vector<LocalVector>& d)
 {
 	double largest = 0, speed2 = 0, opening = 0;
-	for (const Impulse& one : d)
+	for (const LocalVector& one : d)
 		largest = std::max(largest, one.n);
 	const double        none = std::numeric_limits<double>::infinity();
 	std::vector<double> mass(problem.inverseMass.size(), none); // where d acts
@@ -36,7 +36,7 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Imp
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		if (d[k].n <= noiseShare * largest) continue;
 		const ContactPoint& c = problem.points[k];
-		const Impulse       u = freeRelativeVelocity(problem, c);
+		const LocalVector   u = freeRelativeVelocity(problem, c);
 		speed2                = std::max(speed2, square(u));
 		opening += std::max(0.0, -c.bias);
 		include(c.body1, c.arm1, delassus(c, problem.inverseMass[c.body1], {}).nn);
@@ -47,22 +47,17 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Imp
 	return std::sqrt(total) * (std::sqrt(speed2) + opening);
 }
 
-static bool exceeds(double energy, double velocityScale)
-{
-	return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
-}
-
 /// The bound of the header over V_s [-], for impulses projected onto their cones. Infinity: no
 /// velocities are admissible. 0: this direction gives no bound.
 static double velocityChangeBound(
-        const ContactProblem& problem, const std::vector<Impulse>& direction)
+        const ContactProblem& problem, const std::vector<LocalVector>& direction)
 {
-	std::vector<Impulse> d(direction.size());
+	std::vector<LocalVector> d(direction.size());
 	for (std::size_t k = 0; k < d.size(); ++k)
 		d[k] = projectCone(direction[k], problem.points[k].friction);
-	std::vector<Twist> change(problem.inverseMass.size()); // M⁻¹Jᵀd
-	const Vec2         stretchRate = addImpulses(problem, d, change);
-	double             closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
+	std::vector<PlanarVector> change(problem.inverseMass.size()); // M⁻¹Jᵀd
+	const Vec2                stretchRate = addImpulses(problem, d, change);
+	double                    closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		closing -= dot(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
@@ -81,7 +76,7 @@ double dissipatedEnergy(const ContactProblem& problem)
 	double energy = 0;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
-		const Impulse&      p = problem.impulse[k];
+		const LocalVector&  p = problem.impulse[k];
 		energy -= dot(p, relativeVelocity(problem, c)) + p.n * c.bias;
 	}
 	return energy;
@@ -90,28 +85,33 @@ double dissipatedEnergy(const ContactProblem& problem)
 double costOf(const ContactProblem& problem, std::size_t k)
 {
 	const ContactPoint& c = problem.points[k];
-	const Impulse&      p = problem.impulse[k];
-	const Impulse       u = relativeVelocity(problem, c);
+	const LocalVector&  p = problem.impulse[k];
+	const LocalVector   u = relativeVelocity(problem, c);
 	return 0.5 * (dot(p, u) + dot(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
+}
+
+bool exceedsEnergyBound(double energy, double velocityScale)
+{
+	return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
 }
 
 bool exceedsEnergyBound(const ContactProblem& problem)
 {
-	return exceeds(dissipatedEnergy(problem), velocityScale(problem, problem.impulse));
+	return exceedsEnergyBound(dissipatedEnergy(problem), velocityScale(problem, problem.impulse));
 }
 
 bool mayExceedEnergyBound(double energy, double mass, double freeSpeed)
 {
-	return exceeds(energy, std::sqrt(mass) * freeSpeed);
+	return exceedsEnergyBound(energy, std::sqrt(mass) * freeSpeed);
 }
 
-bool isDivergent(const ContactProblem& problem, const std::vector<Impulse>& before)
+bool isDivergent(const ContactProblem& problem, const std::vector<LocalVector>& before)
 {
-	double               growth2 = 0, size2 = 0;
-	std::vector<Impulse> d(before.size());
+	double                   growth2 = 0, size2 = 0;
+	std::vector<LocalVector> d(before.size());
 	for (std::size_t k = 0; k < d.size(); ++k) {
-		const Impulse& p = problem.impulse[k];
-		d[k]             = p - before[k];
+		const LocalVector& p = problem.impulse[k];
+		d[k]                 = p - before[k];
 		growth2 += square(d[k]);
 		size2 += square(p);
 	}

@@ -38,6 +38,9 @@ double costOf(const ContactProblem&, std::size_t point);
 /// detects steps without a solution whose impulses are so large that their relative error is small.
 bool exceedsEnergyBound(const ContactProblem&);
 
+/// The same test for an energy and the velocity scale V_s of its bodies.
+bool exceedsEnergyBound(double energy, double velocityScale);
+
 /// Heuristic filter before exceedsEnergyBound. It uses the mass of all bodies of an island and the
 /// RMS |u_free| of its points. So it may overlook a wedge in a large island.
 bool mayExceedEnergyBound(double energy, double mass, double freeSpeed);
@@ -50,6 +53,6 @@ constexpr double divergentGrowth = 0.03; // least relative growth of diverging i
 
 /// Returns true if the impulses grew by at least divergentGrowth since `before`. The growth must
 /// also require a velocity change of more than 3 V_s.
-bool isDivergent(const ContactProblem&, const std::vector<Impulse>& before);
+bool isDivergent(const ContactProblem&, const std::vector<LocalVector>& before);
 
 } // namespace rcr

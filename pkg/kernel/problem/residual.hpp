@@ -42,7 +42,7 @@ inline double relativeRms(double error2, double scale2)
 }
 
 /// Terms of one point in the sums. `u`: without the bias; `wnn` > 0.
-inline Measures measuresOf(Impulse p, Impulse u, double bias, double friction, double wnn)
+inline Measures measuresOf(LocalVector p, LocalVector u, double bias, double friction, double wnn)
 {
 	const double un       = u.n + bias;
 	const double error2   = square(lawError(p, { un, u.t }, friction, wnn));

@@ -1,5 +1,8 @@
+#include "problem/settings.hpp"
+
+#include <cmath>
+
 #include "problem/refuse.hpp"
-#include "problem/solver.hpp"
 
 namespace rcr {
 

@@ -2,13 +2,13 @@
 
 namespace rcr {
 
-StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& impulses, Vec2 gravity)
+StepEnergy stepEnergy(const Step& step, const std::vector<PlanarVector>& impulses, Vec2 gravity)
 {
 	StepEnergy            energy;
 	const ContactProblem& problem = step.problem;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c      = problem.points[k];
-		const Impulse       before = step.initialVelocity(c), after = relativeVelocity(problem, c);
+		const LocalVector   before = step.initialVelocity(c), after = relativeVelocity(problem, c);
 		const double        rubbed = -0.5 * problem.impulse[k].t * (before.t + after.t);
 		// restitution reverses the slip: its energy belongs to the impact
 		const bool          returns = c.bias < 0 && rubbed < 0;
@@ -18,8 +18,8 @@ StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& impulses, Vec2
 		        + problem.impulse[k].t * dot(c.drift, perp(c.normal)); // work on the cell
 	}
 	for (std::size_t id = 0; id < impulses.size(); ++id) {
-		const InverseMass& inverse = problem.inverseMass[id];
-		const Twist &      before = step.bodies[id].velocity, &after = problem.velocity[id];
+		const InverseMass&  inverse = problem.inverseMass[id];
+		const PlanarVector &before = step.bodies[id].velocity, &after = problem.velocity[id];
 		if (inverse.x == 0) energy.driven += 0.5 * impulses[id].x * (before.x + after.x);
 		if (inverse.y == 0) energy.driven += 0.5 * impulses[id].y * (before.y + after.y);
 		if (inverse.rotation == 0)

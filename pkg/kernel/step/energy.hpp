@@ -22,6 +22,6 @@ struct StepEnergy {
 
 /// Energies of a solved step with its displacements. `impulses`: sum of the contact impulses
 /// on each body; `gravity` [m/s²].
-StepEnergy stepEnergy(const Step&, const std::vector<Twist>& impulses, Vec2 gravity);
+StepEnergy stepEnergy(const Step&, const std::vector<PlanarVector>& impulses, Vec2 gravity);
 
 } // namespace rcr

@@ -7,29 +7,29 @@
 
 namespace rcr {
 
-/// Mass and moment of inertia of a body, and its free degrees of freedom.
+/// Mass and moment of inertia of a body, and which of its degrees of freedom are free.
 struct Inertia {
 	double mass = 0, moment = 0; // [kg, kg m²]
-	bool   x = false, y = false, rotation = false;
+	bool   freeX = false, freeY = false, freeRotation = false;
 };
 
 /// Velocity at the end of a step under a force and a torque [N, N m] and gravity [m/s²].
-inline Twist accelerated(
-        Twist v, const Inertia& inertia, const Twist& force, Vec2 gravity, double dt)
+inline PlanarVector accelerated(
+        PlanarVector v, const Inertia& inertia, const PlanarVector& force, Vec2 gravity, double dt)
 {
-	if (inertia.x) v.x += dt * (force.x / inertia.mass + gravity.x);
-	if (inertia.y) v.y += dt * (force.y / inertia.mass + gravity.y);
-	if (inertia.rotation) v.rotation += dt * (force.rotation / inertia.moment);
+	if (inertia.freeX) v.x += dt * (force.x / inertia.mass + gravity.x);
+	if (inertia.freeY) v.y += dt * (force.y / inertia.mass + gravity.y);
+	if (inertia.freeRotation) v.rotation += dt * (force.rotation / inertia.moment);
 	return v;
 }
 
 /// Velocity of an overdamped body at the beginning of a step: `start` in its free degrees of
 /// freedom.
-inline Twist startVelocity(Twist v, const Inertia& inertia, const Twist& start)
+inline PlanarVector startVelocity(PlanarVector v, const Inertia& inertia, const PlanarVector& start)
 {
-	if (inertia.x) v.x = start.x;
-	if (inertia.y) v.y = start.y;
-	if (inertia.rotation) v.rotation = start.rotation;
+	if (inertia.freeX) v.x = start.x;
+	if (inertia.freeY) v.y = start.y;
+	if (inertia.freeRotation) v.rotation = start.rotation;
 	return v;
 }
 

@@ -10,11 +10,11 @@ namespace {
 
 	struct Axis {
 		double Vec2::*of;
-		double Twist::*speed;
+		double PlanarVector::*speed;
 		double InverseMass::*inverse;
 	};
-	constexpr Axis xAxis { &Vec2::x, &Twist::x, &InverseMass::x },
-	        yAxis { &Vec2::y, &Twist::y, &InverseMass::y };
+	constexpr Axis xAxis { &Vec2::x, &PlanarVector::x, &InverseMass::x },
+	        yAxis { &Vec2::y, &PlanarVector::y, &InverseMass::y };
 
 	/// Calls visit(body, position along the axis, mass) for all bodies that are free along it.
 	template <class Visit> void forEachFree(const Step& step, const Axis& axis, Visit visit)
@@ -28,7 +28,7 @@ namespace {
 	{
 		double moment = 0, inertia = 0;
 		forEachFree(step, axis, [&](std::size_t id, double r, double mass) {
-			const Twist change = step.problem.velocity[id] - step.bodies[id].velocity;
+			const PlanarVector change = step.problem.velocity[id] - step.bodies[id].velocity;
 			moment += mass * r * change.*axis.speed;
 			inertia += mass * r * r;
 		});

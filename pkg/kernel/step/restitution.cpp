@@ -19,8 +19,8 @@ namespace {
 	void add(Energy& of, const Step& step, std::size_t k)
 	{
 		const ContactPoint& c = step.problem.points[k];
-		const Impulse       p = step.problem.impulse[k];
-		const Impulse       u = step.initialVelocity(c), after = relativeVelocity(step.problem, c);
+		const LocalVector   p = step.problem.impulse[k];
+		const LocalVector   u = step.initialVelocity(c), after = relativeVelocity(step.problem, c);
 		of.gain += dot(p, u + after);
 		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);
 		// b_n = e u_n⁻
@@ -94,7 +94,7 @@ bool lowerRestitutionOfYielded(Step& step, bool plastic)
 			if (!yields || !(c.bias < 0)) continue;
 			const double after = relativeVelocity(step.problem, c).n;
 			if (after >= -fullRestitution * c.bias) continue;
-			c.bias  = after > 0 && !plastic ? -after : std::max(step.gap[k].now, 0.0) / step.dt;
+			c.bias  = after > 0 && !plastic ? -after : std::max(step.gap[k].atStart, 0.0) / step.dt;
 			lowered = true;
 		}
 	}
@@ -106,7 +106,7 @@ void removeRestitution(Step& step)
 {
 	for (std::size_t k = 0; k < step.gap.size(); ++k) {
 		double& bias = step.problem.points[k].bias;
-		if (bias < 0) bias = std::max(step.gap[k].now, 0.0) / step.dt;
+		if (bias < 0) bias = std::max(step.gap[k].atStart, 0.0) / step.dt;
 	}
 }
 

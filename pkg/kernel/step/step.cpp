@@ -6,7 +6,7 @@
 
 namespace rcr {
 
-Pose poseAfter(const StepBody& body, const StepBody& owner, const Twist& v, double time)
+Pose poseAfter(const StepBody& body, const StepBody& owner, const PlanarVector& v, double time)
 {
 	const Turn turn   = v.rotation == 0 ? body.turn : turned(body.turn, time * v.rotation);
 	Vec2       center = { body.center.x + time * v.x, body.center.y + time * v.y };
@@ -54,7 +54,7 @@ void Step::resizePoints(int points)
 	gap.resize(points);
 	force.resize(points);
 	widenedReach.assign(bodies.size(), 0);
-	detected.clear();
+	lateContacts.clear();
 	widened.clear();
 	added.clear();
 	displacement.clear();
@@ -62,7 +62,7 @@ void Step::resizePoints(int points)
 	strain = {};
 }
 
-void Step::setPoints(const StepContact& c, const Manifold& manifold, const Impulse* from)
+void Step::setPoints(const StepContact& c, const Manifold& manifold, const LocalVector* from)
 {
 	for (int k = 0; k < c.count; ++k) {
 		problem.points[c.first + k]  = contactPoint(c, manifold.points[k]);

@@ -26,7 +26,7 @@ class ThreadTeam;
 constexpr double contactSlop = 1e-4;
 
 /// Upper bound of the speed of all points of a body [m/s].
-inline double maxSpeed(const Twist& v, double radius)
+inline double maxSpeed(const PlanarVector& v, double radius)
 {
 	return norm(Vec2 { v.x, v.y }) + std::abs(v.rotation) * radius;
 }
@@ -52,12 +52,12 @@ inline Turn turned(const Turn& from, double angle)
 }
 
 struct StepBody {
-	PlanarShape  shape;
-	Vec2         center;
-	Turn         turn;
-	Twist        velocity;          // at the beginning of the step
-	double       radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
-	double       alertDistance = 0; // distance within which its contacts were detected [m]
+	PlanarShape   shape;
+	Vec2          center;
+	Turn          turn;
+	PlanarVector  velocity;          // at the beginning of the step
+	double        radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
+	double        alertDistance = 0; // distance within which its contacts were detected [m]
 	// detection covers paths up to this length [m]; infinite for prescribed motion, except of clump
 	// members
 	double       coveredPath   = std::numeric_limits<double>::infinity();
@@ -68,11 +68,11 @@ struct StepBody {
 };
 
 /// Pose of a body after `time` [s]. A clump member rotates about the centre of its clump, `owner`.
-Pose poseAfter(
-        const StepBody& body, const StepBody& owner, const Twist& velocityOfOwner, double time);
+Pose poseAfter(const StepBody& body, const StepBody& owner, const PlanarVector& velocityOfOwner,
+        double time);
 
 /// Velocity of a clump member, from centre and velocity of its clump.
-inline Twist memberVelocity(const StepBody& body, Vec2 center, const Twist& v)
+inline PlanarVector memberVelocity(const StepBody& body, Vec2 center, const PlanarVector& v)
 {
 	const Vec2 round = cross(v.rotation, body.center - center);
 	return { v.x + round.x, v.y + round.y, v.rotation };
@@ -82,8 +82,8 @@ inline Twist memberVelocity(const StepBody& body, Vec2 center, const Twist& v)
 struct StepContact {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t first = 0, count = 0;
-	// its number in the list of the simulation, or in Pairs::all for steps in arrays; −1: new
-	std::int32_t sourceIndex = -1;
+	// index in SceneHandles::sorted, or in Pairs::all for steps in arrays; −1: new
+	std::int32_t handleIndex = -1;
 	double       friction = 0, restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
 	Vec2         shift, drift; // of the image of body 2 [m], and its relative velocity [m/s]
@@ -91,15 +91,15 @@ struct StepContact {
 	double slop() const { return contactSlop * size; }
 };
 
-/// Gap of a point at the beginning of the step, `now`, and −slop, `allowed` [m]. The position
-/// correction acts on gaps below `allowed`.
+/// Gap of a point.
 struct Gap {
-	double now, allowed;
+	double atStart;  // at the beginning of the step [m]
+	double threshold;  // −slop [m]; the position correction acts on gaps below it
 	bool   loadedBefore; // the point bore a force at the beginning of the step
 };
 
-/// Contact that a later detection of the step has found: new, or with other points.
-struct DetectedContact {
+/// Late or unlisted contact (detection/late_contacts.hpp): new, or with other points.
+struct LateContact {
 	std::int32_t body1 = 0, body2 = 0;
 	Vec2         shift;
 	Manifold     manifold;
@@ -161,7 +161,7 @@ struct PeriodicCell {
 struct Flow {
 	double gradient[2][2] {};
 
-	Twist at(Vec2 r) const
+	PlanarVector at(Vec2 r) const
 	{
 		const Vec2 v = product(gradient, r);
 		return { v.x, v.y, 0.5 * (gradient[1][0] - gradient[0][1]) };
@@ -180,23 +180,23 @@ struct Step {
 	std::vector<std::int32_t> firstContact; // as body 1, per body; one more entry: the end
 	std::vector<Gap>          gap;          // per point
 	ContactProblem            problem;
-	std::vector<Impulse>      force;        // per point [N]: start of the solver, then its result
+	std::vector<LocalVector>  force;        // per point [N]: start of the solver, then its result
 	std::vector<double>       widenedReach; // per body: widened alert distance [m]; 0: none
 	// bodies whose reach was widened since contacts were last added; empty before the first solve
 	std::vector<std::int32_t> widened;
-	std::vector<DetectedContact> detected, added; // contacts that may be added, that were added
-	std::vector<Twist> displacement; // per body: position correction [m, rad]; empty: none
-	Vec2               strain;       // of the cell, from the position correction [-]
+	std::vector<LateContact> lateContacts, added; // that may be added; that were added
+	std::vector<PlanarVector> displacement; // per body: position correction [m, rad]; empty: none
+	Vec2                      strain;       // of the cell, from the position correction [-]
 
 	/// Point k of a contact as it was detected.
 	ManifoldPoint point(const StepContact& c, int k) const
 	{
 		const ContactPoint& at = problem.points[c.first + k];
-		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].now };
+		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].atStart };
 	}
 
 	/// u of a point at the beginning of the step [m/s].
-	Impulse initialVelocity(const ContactPoint& c) const
+	LocalVector initialVelocity(const ContactPoint& c) const
 	{
 		return relativeVelocity(c, bodies[c.body1].velocity, bodies[c.body2].velocity);
 	}
@@ -212,7 +212,7 @@ struct Step {
 	void resizePoints(int points);
 
 	/// Sets the points of a contact and the forces from which the solver starts.
-	void setPoints(const StepContact&, const Manifold&, const Impulse* force);
+	void setPoints(const StepContact&, const Manifold&, const LocalVector* force);
 
 	void               indexContacts();                  // computes firstContact
 	const StepContact* find(int body1, int body2) const; // null: no contact
@@ -226,7 +226,7 @@ struct Step {
 	/// Upper bound of the path of all points of a body in the step [m]. Its centre now moves at the
 	/// velocity v. A clump member turns about the centre of its clump, at the distance r. Its
 	/// velocity changes by up to |ω| min(|ω| dt, 2) r.
-	double pathOf(int id, const Twist& v) const
+	double pathOf(int id, const PlanarVector& v) const
 	{
 		const StepBody& body = bodies[id];
 		const double    spin = std::abs(v.rotation);

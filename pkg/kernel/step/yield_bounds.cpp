@@ -11,7 +11,7 @@ constexpr double loads       = 10;   // factor of L in the compliance
 constexpr double mostMomenta = 3;    // factor of P in the largest rigid impulse
 constexpr double mostLoads   = 200;  // factor of L in the largest rigid impulse
 constexpr double response    = 0.1;  // w₀ over the response of a body of the mean mass
-constexpr double leastLever  = 0.1;  // of a contact of a pivot, over the radius of the body
+constexpr double leastLever  = 0.1;  // of a contact of a hinged body, over its radius
 constexpr double stiffest    = 1e-4; // smallest ε that sweeps can solve
 
 /// Length of the longest of all shortest chains of contacts that begin at a driven body
@@ -64,16 +64,17 @@ YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 	double total = 0, momentum = 0, largestMomentum = 0, load = 0;
 	int    bodies = 0;
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
-		const InverseMass& inverse = problem.inverseMass[id];
-		const bool         pivot   = !inverse.translates();
-		const double       lever   = leastLever * step.bodies[id].radius; // of a pivot
-		if (inverse.prescribed() || (pivot && lever == 0)) continue; // without a radius, no contacts
-		const Twist &v = problem.freeVelocity[id], &before = step.bodies[id].velocity;
-		const auto   speed = [&](const Twist& u) {
-            return pivot ? lever * std::abs(u.rotation)
+		const InverseMass& inverse    = problem.inverseMass[id];
+		const bool         isHinged = !inverse.translates();
+		const double       lever      = leastLever * step.bodies[id].radius; // if hinged
+		// without a radius, no contacts
+		if (inverse.prescribed() || (isHinged && lever == 0)) continue;
+		const PlanarVector &v = problem.freeVelocity[id], &before = step.bodies[id].velocity;
+		const auto   speed = [&](const PlanarVector& u) {
+            return isHinged ? lever * std::abs(u.rotation)
 			             : norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 });
 		};
-		const double mass = pivot ? 1 / (inverse.rotation * lever * lever) : inverse.mass();
+		const double mass = isHinged ? 1 / (inverse.rotation * lever * lever) : inverse.mass();
 		++bodies;
 		total += mass;
 		const double own = mass * (bounds.driveSpeed + speed(v));

@@ -21,8 +21,8 @@
 // m (V + |v_free|) of one body, which a single impact transfers. A struck row bears P, a contact in
 // a sheared packing up to 40 L.
 //
-// A pivot can only turn. It counts as the mass I/(0.1 R)² with the speed 0.1 R |ω|, where R is its
-// radius: those that a contact at the lever 0.1 R meets.
+// A hinged body can only turn. It counts as the mass I/(0.1 R)² with the speed 0.1 R |ω|, where R is
+// its radius: those that a contact at the lever 0.1 R meets.
 //
 // | symbol | field         | unit | meaning                                                  |
 // |--------|---------------|------|----------------------------------------------------------|

@@ -13,7 +13,7 @@ constexpr int sweepsPerReference = 400; // a new reference takes as long as four
 // ---- points of the overflow
 
 template <class Real>
-Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoint& c) const
+LocalVector PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoint& c) const
 {
 	const Real *   v1 = view.recordAt(c.record1), *v2 = view.recordAt(c.record2);
 	constexpr bool whole = std::is_same_v<Real, double>; // or relative to the reference
@@ -23,15 +23,16 @@ Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoi
 		                        : packed_.stretchRate_ - packed_.referenceStretchRate_;
 		u               = u + componentwise(rate, c.shift);
 	}
-	const double   spin1 = c.wholeRecords ? v1[record::spin] : 0;
-	const double   spin2 = c.wholeRecords ? v2[record::spin] : 0;
-	const Impulse& rest  = whole ? c.drift : c.reference;
+	const double       spin1 = c.wholeRecords ? v1[record::spin] : 0;
+	const double       spin2 = c.wholeRecords ? v2[record::spin] : 0;
+	const LocalVector& rest  = whole ? c.drift : c.reference;
 	return { dot(u, c.normal) + spin2 * c.lever2n - spin1 * c.lever1n + rest.n,
 		dot(u, perp(c.normal)) + spin2 * c.lever2t - spin1 * c.lever1t + rest.t };
 }
 
 template <class Real>
-void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, const Impulse& p)
+void PackedIsland::applyImpulse(
+        const View<Real>& view, const OverflowPoint& c, const LocalVector& p)
 {
 	const Vec2 f    = toCartesian(c.normal, p);
 	const auto push = [&](int number, const InverseMass& mass, double sign, double torque) {
@@ -54,11 +55,12 @@ void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, 
 
 /// The impulse that solves the point, other impulses fixed. The velocities contain impulse p.
 template <class Real>
-Impulse PackedIsland::solve(const View<Real>& view, const OverflowPoint& c, const Impulse& p) const
+LocalVector PackedIsland::solve(
+        const View<Real>& view, const OverflowPoint& c, const LocalVector& p) const
 {
-	const Impulse u  = relativeVelocity(view, c);
-	const double  gn = u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t;
-	const double  gt = u.t - c.w.nt * p.n - c.w.tt * p.t;
+	const LocalVector u  = relativeVelocity(view, c);
+	const double      gn = u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t;
+	const double      gt = u.t - c.w.nt * p.n - c.w.tt * p.t;
 	return solveCoulomb(c.w, gn, gt, c.friction);
 }
 
@@ -95,7 +97,7 @@ void PackedIsland::sweep()
 	invalidate();
 	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweep(view_, chunk); });
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		const Impulse next = solve(view_, c, c.p);
+		const LocalVector next = solve(view_, c, c.p);
 		applyImpulse(view_, c, next - c.p);
 		c.p = next;
 	});
@@ -108,8 +110,8 @@ void PackedIsland::sweepRelaxed(double relaxation)
 		packed_.kernels_->sweepRelaxed(view_, chunk, relaxation);
 	});
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		const Impulse step = relaxation * (solve(view_, c, c.p) - c.p);
-		const Impulse next = projectCone(c.p + step, c.friction);
+		const LocalVector step = relaxation * (solve(view_, c, c.p) - c.p);
+		const LocalVector next = projectCone(c.p + step, c.friction);
 		applyImpulse(view_, c, next - c.p);
 		c.p = next;
 	});
@@ -161,8 +163,8 @@ double PackedIsland::sweepMomentum(View<Real>& view, const MomentumKernels<Real>
 		sweepSections();
 	double change2 = sum(packed_.sum_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		const Impulse from = c.p + momentum * (c.p - c.old);
-		const Impulse next = yielding.yieldFactor(c.w.nn) * solve(view, c, from);
+		const LocalVector from = c.p + momentum * (c.p - c.old);
+		const LocalVector next = yielding.yieldFactor(c.w.nn) * solve(view, c, from);
 		applyImpulse(view, c, next - from);
 		c.old = c.p;
 		c.p   = next;
@@ -193,7 +195,7 @@ Measures PackedIsland::measure(
 	return total;
 }
 
-template Impulse PackedIsland::relativeVelocity(
+template LocalVector PackedIsland::relativeVelocity(
         const View<double>&, const OverflowPoint&) const;
 
 } // namespace rcr

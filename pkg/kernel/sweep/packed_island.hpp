@@ -49,7 +49,7 @@ public:
 	Measures measure();
 	/// Returns true if contacts have yielded in an earlier pass of the step.
 	bool hasYielded() const { return state_.hasYielded; }
-	/// Mass of the bodies without pivots [kg].
+	/// Mass of the bodies without hinged ones [kg].
 	double mass() const { return state_.mass; }
 	/// Σ |u|² over the points without impulses [(m/s)²].
 	double freeVelocity2() const { return state_.freeVelocity2; }
@@ -63,11 +63,12 @@ private:
 	        View<Real>&, const MomentumKernels<Real>&, double momentum, const Yielding&);
 	template <class Real>
 	Measures measure(const View<Real>&, const MomentumKernels<Real>&, const ColumnOf<Real>* bias);
-	template <class Real> Impulse relativeVelocity(const View<Real>&, const OverflowPoint&) const;
 	template <class Real>
-	void applyImpulse(const View<Real>&, const OverflowPoint&, const Impulse&);
+	LocalVector relativeVelocity(const View<Real>&, const OverflowPoint&) const;
 	template <class Real>
-	Impulse solve(const View<Real>&, const OverflowPoint&, const Impulse& from) const;
+	void applyImpulse(const View<Real>&, const OverflowPoint&, const LocalVector&);
+	template <class Real>
+	LocalVector solve(const View<Real>&, const OverflowPoint&, const LocalVector& from) const;
 
 	/// Call before the velocities change. Invalidates cached velocities and measures.
 	void invalidate()

@@ -14,9 +14,9 @@ static double inverseGyration(const InverseMass& m)
 }
 
 /// The initial impulse. Without friction, the tangential impulse is zero.
-static Impulse initialImpulse(const ContactProblem& problem, int point)
+static LocalVector initialImpulse(const ContactProblem& problem, int point)
 {
-	const Impulse p = problem.impulse[point];
+	const LocalVector p = problem.impulse[point];
 	return { p.n, problem.points[point].friction == 0 ? 0 : p.t };
 }
 
@@ -109,10 +109,10 @@ void PackedProblem::listPoints(
 
 void PackedProblem::loadBody(const ContactProblem& problem, int body, int number, bool half)
 {
-	const Twist& v  = problem.freeVelocity[body];
-	double*      to = view().recordAt(number);
-	to[record::x]   = v.x;
-	to[record::y]   = v.y;
+	const PlanarVector& v  = problem.freeVelocity[body];
+	double*             to = view().recordAt(number);
+	to[record::x]          = v.x;
+	to[record::y]          = v.y;
 	if (half) return;
 	const bool regular      = layout_.kind(body) == BodyKind::regular;
 	to[record::spin]        = v.rotation / inverseGyration_[body];
@@ -144,7 +144,7 @@ void PackedProblem::fill(const ContactProblem& problem, const PackedPair& pair)
 	const double                 scale1 = inverseGyration_[pair.body1];
 	const double                 scale2 = inverseGyration_[pair.body2];
 	const ContactPoint&          c      = problem.points[point];
-	const Impulse                p      = initialImpulse(problem, point);
+	const LocalVector            p      = initialImpulse(problem, point);
 	const PointColumnsOf<double> any(columns);
 	any.nx()[lane]             = c.normal.x;
 	any.ny()[lane]             = c.normal.y;
@@ -228,7 +228,7 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 	};
 	team.forEach(pairs.size(), [&](int k) {
 		forEachPoint(pairs[k], [&](int point, Column* columns, int lane) {
-			const Impulse                  p = initialImpulse(problem, point);
+			const LocalVector              p = initialImpulse(problem, point);
 			const NoLeverColumnsOf<double> at(columns);
 			at.bias()[lane] = biasOf(point);
 			load(at.pn()[lane], p.n);
@@ -239,8 +239,8 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 		});
 	});
 	for (OverflowPoint& c : overflow_) {
-		const Impulse p = initialImpulse(problem, c.point);
-		c.bias          = biasOf(c.point);
+		const LocalVector p = initialImpulse(problem, c.point);
+		c.bias              = biasOf(c.point);
 		load(c.p.n, p.n);
 		load(c.p.t, p.t);
 		c.old = p;
@@ -282,7 +282,8 @@ void PackedProblem::store(ContactProblem& problem)
 	if (problem.stretches()) problem.setStretchRate(stretchRate_);
 }
 
-void PackedProblem::storeVelocity(const ContactProblem& problem, std::vector<Twist>& velocity)
+void PackedProblem::storeVelocity(
+        const ContactProblem& problem, std::vector<PlanarVector>& velocity)
 {
 	recomputeVelocities();
 	velocity.resize(problem.freeVelocity.size());

@@ -43,7 +43,7 @@ public:
 	/// Writes the impulses and the velocities recomputed from them.
 	void store(ContactProblem&);
 	/// Writes the velocities recomputed from the impulses.
-	void storeVelocity(const ContactProblem&, std::vector<Twist>& velocity);
+	void storeVelocity(const ContactProblem&, std::vector<PlanarVector>& velocity);
 
 	bool loaded() const { return kernels_ != nullptr; }
 	int  islands() const { return int(layout_.islands().size()); }
@@ -70,14 +70,14 @@ private:
 		bool         wholeRecords; // with spins
 		Vec2         normal;
 		double       lever1n, lever1t, lever2n, lever2t;
-		Impulse      drift; // added to u: periodic images, and spins that the records do not hold
+		LocalVector  drift; // added to u: periodic images, and spins that the records do not hold
 		InverseMass  mass1, mass2;
 		Vec2         shift; // of a cell that may stretch
 		double       bias, friction;
 		Delassus     w;
-		Impulse      p, old;
-		Impulse      reference; // u of the reference of floats
-		Impulse      saved;     // p
+		LocalVector  p, old;
+		LocalVector  reference; // u of the reference of floats
+		LocalVector  saved;     // p
 	};
 
 	void findYielded(const ContactProblem&);
@@ -118,7 +118,7 @@ private:
 
 	struct IslandState {
 		Range                   overflow;                   // in overflow_
-		double                  mass               = 0;     // of its bodies, without pivots [kg]
+		double                  mass               = 0;     // of its bodies, not hinged ones [kg]
 		bool                    hasYielded         = false; // in an earlier pass of the step
 		double                  freeVelocity2      = 0;     // Σ |u|² without impulses [(m/s)²]
 		bool                    velocityRecomputed = false; // body_ is v_free + M⁻¹Jᵀp to the bit

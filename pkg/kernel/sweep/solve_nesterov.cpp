@@ -29,7 +29,7 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 }
 
 void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bias, int sweeps,
-        std::vector<Twist>& velocity, Vec2& stretchRate, Workspace& workspace)
+        std::vector<PlanarVector>& velocity, Vec2& stretchRate, Workspace& workspace)
 {
 	PackedProblem& packed = workspace.packed();
 	packed.reload(problem, &bias);

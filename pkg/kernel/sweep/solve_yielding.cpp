@@ -66,7 +66,7 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, Workspac
 		sweeps.sameProblem   = false;
 	}
 	// rounding errors of larger impulses would hide those of other contacts
-	for (Impulse& p : problem.impulse)
+	for (LocalVector& p : problem.impulse)
 		if (p.n > yieldImpulse) p = yieldImpulse / p.n * p;
 	for (std::size_t k = 0; k < problem.recoveryBias.size(); ++k) {
 		if (!(problem.recoveryBias[k] < 0)) continue; // no overlap

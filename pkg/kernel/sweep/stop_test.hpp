@@ -1,7 +1,7 @@
 // The stop test of all sweep solvers.
 #pragma once
 
-#include "problem/solver.hpp"
+#include "problem/settings.hpp"
 
 namespace rcr {
 

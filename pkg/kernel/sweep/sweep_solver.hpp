@@ -1,6 +1,7 @@
 // Common parts of the sweep solvers: loading, storing, the stop test of an island, the report.
 #pragma once
 
+#include "problem/solver.hpp"
 #include "sweep/packed_island.hpp"
 #include "sweep/stop_test.hpp"
 

@@ -78,7 +78,7 @@ def test_painleve_sticks(slip):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_body_with_one_way_to_move_bears_no_rounding_error(seed):
-    """W = j jᵀ of a wall or a pivot: w_tt − w_nt²/w_nn is a rounding error, so the point slides."""
+    """W = j jᵀ of a wall or a hinged body: w_tt − w_nt²/w_nn is a rounding error; the point slides."""
     rng = np.random.default_rng(seed)
     for _ in range(500):
         angle, mu, g = rng.uniform(-np.pi, np.pi), rng.uniform(0.1, 1.2), rng.normal(0, 1, 2)

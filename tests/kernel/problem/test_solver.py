@@ -122,24 +122,25 @@ def test_kinematic_error_refers_to_the_given_floor(iterations):
     assert found["converged"] == (found["residual"] <= 1e-4 and expected <= 0.01)
 
 
-def pressed_pivot(lever):
+def pressed_hinged_body(lever):
     """A disc that can only turn; a driven body presses it at this lever."""
-    return problem_of_rows("pivot", [[0, 0, 1.0], [0, 0, 0]], [[0, 0, 0], [0, -1, 0]],
+    return problem_of_rows("hinged body", [[0, 0, 1.0], [0, 0, 0]], [[0, 0, 0], [0, -1, 0]],
                            [(0, 1, 0, 1, lever, 1, 0, -0.5, 0, 0.3)])
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("lever", [0, 1e-17, 1e-13])
-def test_a_pivot_pressed_through_its_centre_has_no_solution(solver, lever):
-    rigid, yielding = (pressed_pivot(lever).solve(solver, yield_compliance=c) for c in (0, 0.01))
+def test_a_hinged_body_pressed_through_its_centre_has_no_solution(solver, lever):
+    rigid, yielding = (pressed_hinged_body(lever).solve(solver, yield_compliance=c)
+                       for c in (0, 0.01))
     assert not rigid["converged"] and yielding["yielded"]
     for found in rigid, yielding:
         assert abs(found["velocity"][0, 2]) < 10, found
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_a_pivot_pressed_at_a_lever_turns(solver):
-    found = pressed_pivot(0.5).solve(solver, tolerance=1e-10, yield_compliance=0.01)
+def test_a_hinged_body_pressed_at_a_lever_turns(solver):
+    found = pressed_hinged_body(0.5).solve(solver, tolerance=1e-10, yield_compliance=0.01)
     assert found["converged"] and not found["yielded"]
     np.testing.assert_allclose(found["relative_velocity"][0, 0], 0, atol=1e-9)
 

@@ -52,10 +52,10 @@ def test_partly_blocked_bodies_drive_without_momentum(sideways, fastest):
     np.testing.assert_allclose(most, 2.0 * (3 * (fastest + 0.1) + 200 * 0.1))
 
 
-def test_a_pivot_counts_as_a_mass_at_a_tenth_of_its_radius():
+def test_a_hinged_body_counts_as_a_mass_at_a_tenth_of_its_radius():
     """Disc of radius 2 m and I = 4 kg m² that turns at 0.5 rad/s: 4/(0.1 · 2)² kg, 0.1 m/s."""
-    problem = problem_of("pivot", [[0, 0, 0], [0, 0, 1 / 4]], [[0, V, 0], [0, 0, 0.5]], [[0, 1]],
-                         normal=(0, 1), arm2=(0, -2))
+    problem = problem_of("hinged body", [[0, 0, 0], [0, 0, 1 / 4]], [[0, V, 0], [0, 0, 0.5]],
+                         [[0, 1]], normal=(0, 1), arm2=(0, -2))
     _, compliance, most = _kernel.yield_bounds(np.array([[0, V, 0], [0, 0, 0.5]]), **problem)
     mass = 4 / 0.2**2
     np.testing.assert_allclose([compliance, most], [V / (V + 0.1), 3 * mass * (V + 0.1)])

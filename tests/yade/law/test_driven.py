@@ -190,7 +190,7 @@ def test_a_prescribed_component_that_closes_a_contact_is_a_jam(eta, angle, block
 
 @pytest.mark.parametrize("friction", [0, 0.5])
 @pytest.mark.parametrize("x, angle", [(0.134, 0.8), (0.847, 0.25), (0.764, -0.1)])
-def test_a_pivot_that_a_driven_body_presses_through_its_centre_is_a_jam(x, angle, friction):
+def test_a_hinged_body_that_a_driven_body_presses_through_its_centre_is_a_jam(x, angle, friction):
     """The lever of the contact is a rounding error; the disc must not spin."""
     rough = material(friction)
     apart, direction = 0.2, np.array([math.sin(angle), math.cos(angle)])
@@ -217,13 +217,13 @@ def test_a_jam_of_fine_grains_is_seen_beside_coarse_ones(name):
     assert solver().yielded
 
 
-def test_a_pivot_without_a_shape_has_no_contacts():
+def test_a_hinged_body_without_a_shape_has_no_contacts():
     """Its radius 0 must not enter the bounds of driven scenes."""
     squeezed(((5, 0), (0, 0)))
-    pivot = Body()
-    pivot.state.mass, pivot.state.inertia = 1, (1, 1, 1)
-    pivot.state.blockedDOFs, pivot.state.angVel = "xyzXY", (0, 0, 3)
-    O.bodies.append(pivot)
+    hinged = Body()
+    hinged.state.mass, hinged.state.inertia = 1, (1, 1, 1)
+    hinged.state.blockedDOFs, hinged.state.angVel = "xyzXY", (0, 0, 3)
+    O.bodies.append(hinged)
     O.step()
     assert solver().yielded
 

@@ -29,7 +29,7 @@ def test_checkpoint(tmp_path):
         assert sum(float(row["share"]) for row in engines) == pytest.approx(1)
         parts = {row["engine"].removeprefix("ContactDynamics: "): float(row["ms"]) for row in rows
                  if row not in engines}
-        assert set(parts) == {"gather", "layout", "solve", "forces", "undetectedContacts",
+        assert set(parts) == {"gather", "layout", "solve", "forces", "lateContacts",
                               "biasUpdate", "correct", "arrays", "writeBack", "scatter", "sort"}
         assert sum(parts.values()) <= float(engines[ENGINES.index("ContactDynamics")]["ms"])
         assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"],

@@ -22,7 +22,7 @@ namespace {
 	}
 
 	/// Returns true if the normal velocity at a point depends on the rotation of a body.
-	bool hasLever(const InverseMass& m, const Twist& v, Vec2 arm, Vec2 normal)
+	bool hasLever(const InverseMass& m, const PlanarVector& v, Vec2 arm, Vec2 normal)
 	{
 		const double lever = cross(arm, normal);
 		return (m.rotation != 0 || v.rotation != 0)

@@ -24,7 +24,7 @@
 namespace rcr {
 
 /// Regular: one inverse mass along x and y. Prescribed: all inverse masses zero.
-/// Special: a wall free along one axis, or a pivot.
+/// Special: a wall free along one axis, or a hinged body.
 enum class BodyKind : unsigned char { regular, prescribed, special };
 
 /// One or two consecutive points between the same two bodies.

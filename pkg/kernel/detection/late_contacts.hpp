@@ -1,4 +1,5 @@
-// Finds contacts that close within a step but were not detected before the solve.
+// Finds late contacts. A late contact is one that the detection before the step did not list, and
+// that closes beyond the slop within the step.
 //
 // Detection covers gaps up to ℓ₁ + ℓ₂, the sum of the detection reaches of the two bodies. The
 // reach is the alert distance, which follows from the velocity at the beginning of the step:
@@ -11,9 +12,9 @@
 //   ℓ_i = dt v_i, for a grain 0.01 R' more
 //
 // A body that is released or hit may move further, and CellStress may change v_i in the solve.
-// After the solve, the reach of a free body whose path exceeds it is widened by 1.5 paths. If an
-// undetected gap then closes beyond the slop, all contacts within the widened reach are added. The
-// step is then solved again, up to its limit of passes. If images move further than 2 dt v_i plus
+// After the solve, the reach of a free body whose path exceeds it is widened by 1.5 paths. If a
+// late contact is among its contacts, all contacts within the widened reach are added. The step is
+// then solved again, up to its limit of passes. If images move further than 2 dt v_i plus
 // 0.01 R', all bodies reach further by the new v_i. A gap closes on its tangent plane. With a
 // large displacement, it may also close on the curved paths of the bodies.
 #pragma once
@@ -25,7 +26,7 @@
 namespace rcr {
 
 /// Alert distance ℓ of a body with this velocity [m].
-inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
+inline double alertDistance(const PlanarShape& shape, const PlanarVector& v, double dt)
 {
 	if (shape.kind == PlanarShape::wall)
 		return 2 * dt * std::abs(shape.axis == 0 ? v.x : v.y);
@@ -43,22 +44,22 @@ inline double imageReach(const PlanarShape& shape, double imageSpeed, double dt)
 using ContactFilter = std::function<bool(int body1, int body2)>;
 
 /// Before the solve, detects contacts of bodies whose pairs in the simulation may be incomplete.
-/// Collects them in step.detected and returns true if there are any. Call addDetectedContacts then.
+/// Collects them in step.lateContacts and returns true if there are any. Call addLateContacts then.
 bool findUnlistedContacts(Step&, const std::vector<std::int32_t>& bodies, const ContactFilter&);
 
 /// Distance within which contacts of a body are detected, with its widening in this step [m].
 double detectionReach(const Step&, std::size_t id);
 
-/// Collects in step.detected the contacts within the widened reach of the solved step. Returns true
-/// if one of them closes beyond the slop. A further solve requires addDetectedContacts.
-bool findUndetectedContacts(Step&, const ContactFilter&);
+/// Collects in step.lateContacts the contacts within the widened reach of the solved step. Returns
+/// true if one of them is late. A further solve requires addLateContacts.
+bool findLateContacts(Step&, const ContactFilter&);
 
 /// Returns true if radii and paths of two bodies exceed half of the smallest height of the cell.
 /// Such bodies may meet at two images, and only the contact of the nearest images is detected.
 bool spansHalfCell(const Step&);
 
-/// Adds step.detected to the contacts, points and forces of the step, and moves it to step.added.
-/// Requires friction and restitution of new contacts.
-void addDetectedContacts(Step&);
+/// Adds step.lateContacts to the contacts, points and forces of the step, and moves it to
+/// step.added. Requires friction and restitution of new contacts.
+void addLateContacts(Step&);
 
 } // namespace rcr

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "dem/shapes/Rcr.hpp"
-#include "kernel/detection/undetected_contacts.hpp"
+#include "kernel/detection/late_contacts.hpp"
 #include "kernel/step/leapfrog.hpp"
 
 namespace yade::plane {
@@ -10,7 +10,7 @@ namespace yade::plane {
 inline rcr::Vec2 toPlane(const Vector3r& v) { return { double(v[0]), double(v[1]) }; }
 inline Vector3r  toSpace(rcr::Vec2 v) { return Vector3r(v.x, v.y, 0); }
 
-inline rcr::Twist twistOf(const State& state)
+inline rcr::PlanarVector velocityOf(const State& state)
 {
 	return { double(state.vel[0]), double(state.vel[1]), double(state.angVel[2]) };
 }

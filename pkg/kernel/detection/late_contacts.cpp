@@ -1,4 +1,4 @@
-#include "detection/undetected_contacts.hpp"
+#include "detection/late_contacts.hpp"
 
 #include <array>
 
@@ -26,18 +26,18 @@ namespace {
 	public:
 		Candidates(const Step& step, const std::vector<std::int32_t>& widened)
 		        : step_(step)
-		        , fast_(step.bodies.size())
+		        , searched_(step.bodies.size())
 		        , sorted_(widened.size() > fewBodies && !step.cell.periodic)
 		{
 			for (int id : widened)
-				fast_[id] = true;
+				searched_[id] = true;
 			for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 				const StepBody& b = step.bodies[id];
 				if (b.shape.kind == PlanarShape::none) continue;
 				if (!b.shape.grain()) obstacles_.push_back(int(id));
 				else {
 					grains_.emplace_back(b.center.x, int(id));
-					if (!fast_[id]) largestSlow_ = std::max(largestSlow_, extent(int(id)));
+					if (!searched_[id]) largestOther_ = std::max(largestOther_, extent(int(id)));
 				}
 			}
 			if (sorted_) std::sort(grains_.begin(), grains_.end());
@@ -56,7 +56,7 @@ namespace {
 			std::for_each(obstacles_.begin(), obstacles_.end(), visit);
 			const double own  = extent(id);
 			const double half = step_.cell.periodic ? std::numeric_limits<double>::infinity()
-			                                        : own + std::max(own, largestSlow_);
+			                                        : own + std::max(own, largestOther_);
 			if (sorted_) {
 				const auto left = [](const auto& grain, double x) { return grain.first < x; };
 				from            = std::lower_bound(from, to, b.center.x - half, left);
@@ -66,7 +66,7 @@ namespace {
 				if (std::abs(from->first - b.center.x) > half) continue;
 				const int    other = from->second;
 				const double its   = extent(other);
-				if (fast_[other] && (its > own || (its == own && other <= id))) continue;
+				if (searched_[other] && (its > own || (its == own && other <= id))) continue;
 				const Vec2 between   = step_.bodies[other].center - b.center,
 				           apart     = between + step_.cell.nearestShift(between);
 				const double most    = own + its;
@@ -82,10 +82,10 @@ namespace {
 		}
 
 		const Step&       step_;
-		std::vector<bool> fast_;
+		std::vector<bool> searched_; // per body: its contacts are searched
 		const bool        sorted_;
 		std::vector<int>  obstacles_;
-		double            largestSlow_ = 0;
+		double            largestOther_ = 0; // extent of the other grains [m]
 		std::vector<std::pair<double, int>> grains_; // x and number
 	};
 
@@ -117,31 +117,31 @@ namespace {
 		return widened;
 	}
 
-	/// A detected contact as a contact of the step without points.
-	StepContact newContact(const Step& step, const DetectedContact& detected)
+	/// A late contact as a contact of the step without points.
+	StepContact newContact(const Step& step, const LateContact& late)
 	{
 		const double size = contactSize(
-		        step.bodies[detected.body1].shape, step.bodies[detected.body2].shape);
-		return { detected.body1, detected.body2, 0, 0, -1, detected.friction, detected.restitution,
-			size, detected.shift, step.cell.drift(detected.shift) };
+		        step.bodies[late.body1].shape, step.bodies[late.body2].shape);
+		return { late.body1, late.body2, 0, 0, -1, late.friction, late.restitution,
+			size, late.shift, step.cell.drift(late.shift) };
 	}
 
 	/// Returns true if a point closes beyond the slop at the solved velocities. A new contact with
 	/// a large displacement also closes if its bodies meet on their curved paths.
-	bool closes(const Step& step, const DetectedContact& detected)
+	bool closes(const Step& step, const LateContact& late)
 	{
-		if (detected.manifold.count == 0) return false;
-		const StepContact contact = newContact(step, detected);
-		if (!detected.known && hasLargeDisplacement(step, contact)
-		        && meetOnPaths(step, contact, detected.manifold.points[0].normal))
+		if (late.manifold.count == 0) return false;
+		const StepContact contact = newContact(step, late);
+		if (!late.known && hasLargeDisplacement(step, contact)
+		        && meetOnPaths(step, contact, late.manifold.points[0].normal))
 			return true;
-		const int body1 = detected.body1, body2 = detected.body2;
-		for (int k = 0; k < detected.manifold.count; ++k) {
-			const ManifoldPoint& at = detected.manifold.points[k];
+		const int body1 = late.body1, body2 = late.body2;
+		for (int k = 0; k < late.manifold.count; ++k) {
+			const ManifoldPoint& at = late.manifold.points[k];
 			ContactPoint         c;
 			c.normal       = at.normal;
 			c.arm1         = at.position - step.bodies[body1].center;
-			c.arm2         = at.position - (step.bodies[body2].center + detected.shift);
+			c.arm2         = at.position - (step.bodies[body2].center + late.shift);
 			c.drift        = contact.drift;
 			const double u = relativeVelocity(
 			        c, step.problem.velocity[body1], step.problem.velocity[body2]).n;
@@ -151,9 +151,9 @@ namespace {
 	}
 
 	/// Sorts by bodies and keeps the last entry of each pair.
-	void keepLastOfEach(std::vector<DetectedContact>& contacts)
+	void keepLastOfEach(std::vector<LateContact>& contacts)
 	{
-		const auto same = [](const DetectedContact& a, const DetectedContact& b) {
+		const auto same = [](const LateContact& a, const LateContact& b) {
 			return a.body1 == b.body1 && a.body2 == b.body2;
 		};
 		std::stable_sort(contacts.begin(), contacts.end(), precedes);
@@ -166,7 +166,7 @@ namespace {
 	{
 		if (now.count != (contact ? contact->count : 0)) return false;
 		for (int k = 0; exact && k < now.count; ++k)
-			if (step.gap[contact->first + k].now != now.points[k].gap) return false;
+			if (step.gap[contact->first + k].atStart != now.points[k].gap) return false;
 		return true;
 	}
 
@@ -182,7 +182,7 @@ namespace {
 		if (!canTouch(shape(id).kind, shape(other).kind)) return;
 		const StepBody &   one = step.bodies[id], &two = step.bodies[other];
 		const StepContact* contact = step.find(id, other);
-		DetectedContact    found;
+		LateContact        found;
 		found.body1    = id;
 		found.body2    = other;
 		found.shift    = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
@@ -196,13 +196,13 @@ namespace {
 		// keeps a contact beyond a smaller reach
 		if (exact && found.manifold.count == 0) return;
 		if (!contact && !allowsContact(id, other)) return;
-		step.detected.push_back(found);
+		step.lateContacts.push_back(found);
 	}
 
 	/// Force from which a point starts, and Gap::loadedBefore.
 	struct Start {
-		Impulse force;
-		bool    loadedBefore = false;
+		LocalVector force;
+		bool        loadedBefore = false;
 	};
 
 	/// Starts of the points `now` (null: unchanged) from the points of the old contact.
@@ -226,19 +226,19 @@ namespace {
 	}
 
 	struct Entry {
-		StepContact            contact; // with its old number of the first point
-		const DetectedContact* detected; // null: unchanged
+		StepContact        contact; // with its old number of the first point
+		const LateContact* late; // null: unchanged
 	};
 
 	/// Old and new contacts, sorted by bodies.
 	std::vector<Entry> entries(const Step& step)
 	{
 		std::vector<Entry> all;
-		all.reserve(step.contacts.size() + step.detected.size());
+		all.reserve(step.contacts.size() + step.lateContacts.size());
 		for (const StepContact& c : step.contacts)
 			all.push_back({ c, nullptr });
-		for (const DetectedContact& c : step.detected) {
-			if (c.known) all[step.find(c.body1, c.body2) - step.contacts.data()].detected = &c;
+		for (const LateContact& c : step.lateContacts) {
+			if (c.known) all[step.find(c.body1, c.body2) - step.contacts.data()].late = &c;
 			else
 				all.push_back({ newContact(step, c), &c });
 		}
@@ -274,26 +274,26 @@ bool findUnlistedContacts(
 	const Candidates candidates(step, bodies);
 	for (int id : bodies)
 		candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact, true); });
-	keepLastOfEach(step.detected);
-	return !step.detected.empty();
+	keepLastOfEach(step.lateContacts);
+	return !step.lateContacts.empty();
 }
 
-bool findUndetectedContacts(Step& step, const ContactFilter& allowsContact)
+bool findLateContacts(Step& step, const ContactFilter& allowsContact)
 {
 	const std::vector<std::int32_t> widened = widenReach(step);
 	if (!widened.empty()) {
 		const Candidates candidates(step, widened);
 		for (int id : widened)
 			candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact); });
-		keepLastOfEach(step.detected);
+		keepLastOfEach(step.lateContacts);
 		step.widened.insert(step.widened.end(), widened.begin(), widened.end());
 	}
-	// contacts detected after earlier solves may close at the present velocities
-	return std::any_of(step.detected.begin(), step.detected.end(),
-	        [&](const DetectedContact& detected) { return closes(step, detected); });
+	// late contacts found after earlier solves may close at the present velocities
+	return std::any_of(step.lateContacts.begin(), step.lateContacts.end(),
+	        [&](const LateContact& late) { return closes(step, late); });
 }
 
-void addDetectedContacts(Step& step)
+void addLateContacts(Step& step)
 {
 	// bodies whose contacts start with their initial bias
 	std::vector<char> restarted(step.bodies.size());
@@ -301,18 +301,18 @@ void addDetectedContacts(Step& step)
 		restarted[id] = true;
 	std::vector<StepContact>  contacts;
 	std::vector<ContactPoint> points;
-	std::vector<Impulse>      forces, impulses;
+	std::vector<LocalVector>  forces, impulses;
 	std::vector<Gap>          gaps;
-	for (const auto& [old, detected] : entries(step)) {
+	for (const auto& [old, late] : entries(step)) {
 		StepContact c = old;
 		c.first       = int(points.size());
-		c.count       = detected ? detected->manifold.count : old.count;
+		c.count       = late ? late->manifold.count : old.count;
 		const std::array<Start, 2> start
-		        = startsOf(step, old, detected ? &detected->manifold : nullptr);
+		        = startsOf(step, old, late ? &late->manifold : nullptr);
 		for (int k = 0; k < c.count; ++k) {
-			const ManifoldPoint at = detected ? detected->manifold.points[k] : step.point(old, k);
+			const ManifoldPoint at = late ? late->manifold.points[k] : step.point(old, k);
 			const ContactPoint  initial = step.contactPoint(c, at);
-			points.push_back(detected ? initial : step.problem.points[old.first + k]);
+			points.push_back(late ? initial : step.problem.points[old.first + k]);
 			if (restarted[c.body1] || restarted[c.body2]) points.back().bias = initial.bias;
 			impulses.push_back(step.dt * start[k].force);
 			forces.push_back(start[k].force);
@@ -328,8 +328,8 @@ void addDetectedContacts(Step& step)
 	step.force.swap(forces);
 	step.gap.swap(gaps);
 	step.indexContacts();
-	step.added.insert(step.added.end(), step.detected.begin(), step.detected.end());
-	step.detected.clear();
+	step.added.insert(step.added.end(), step.lateContacts.begin(), step.lateContacts.end());
+	step.lateContacts.clear();
 	step.widened.clear();
 }
 

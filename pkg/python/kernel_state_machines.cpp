@@ -13,7 +13,7 @@
 
 namespace rcr {
 
-void bindDetectors(py::module_& m)
+void bindStateMachines(py::module_& m)
 {
 	py::class_<ProximalParameter>(m, "ProximalParameter", "ρ of proximal steps.")
 	        .def(py::init<>())

@@ -1,4 +1,4 @@
-// View of a scene for the rules of validation: engines by kind and order, law, bodies by shape.
+// What the rules of validation ask of a scene: engines by kind and order, law, bodies by shape.
 #pragma once
 
 #include "dem/engine/ContactDynamics.hpp"
@@ -7,8 +7,8 @@
 
 namespace yade::validation {
 
-// The law of a scene. `any`: rules of scenes with rigid contacts, springs or both.
-enum Law { rigid = 1, smooth = 2, both = 3, any = rigid | smooth, neither = 4 };
+// The law of a scene; mixed: rigid contacts and springs. `any`: rules of scenes with one of these.
+enum Law { rigid = 1, springs = 2, mixed = 3, any = rigid | springs, neither = 4 };
 
 template <class Kind> bool isLive(const shared_ptr<Engine>& engine)
 {
@@ -21,24 +21,24 @@ template <class Functor, class List> bool has(const List& functors)
 	        [](const auto& f) { return bool(dynamic_cast<const Functor*>(f.get())); });
 }
 
-struct View {
+struct SceneQuery {
 	const Scene&                           scene;
 	const std::vector<shared_ptr<Engine>>& engines;
 	const InteractionLoop*                 loop = nullptr;
 	Law                                    law  = neither;
 
-	explicit View(const Scene& s) : scene(s), engines(s.engines)
+	explicit SceneQuery(const Scene& s) : scene(s), engines(s.engines)
 	{
 		loop = first<InteractionLoop>();
 		const bool solver = indexOf<ContactDynamics>() >= 0;
 		const bool laws   = loop
 		        && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
 		const bool phys = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);
-		const bool springs = loop
+		const bool spring = loop
 		        && has<Law2_RcrGeom_FrictPhys_CundallStrack>(loop->lawDispatcher->functors);
-		if (solver || laws || phys) law = springs ? both : rigid;
-		else if (springs)
-			law = smooth;
+		if (solver || laws || phys) law = spring ? mixed : rigid;
+		else if (spring)
+			law = springs;
 	}
 
 	template <class Kind> Kind* first() const
@@ -69,31 +69,31 @@ struct View {
 };
 
 // Rules on engines (engines.cpp). Each returns an error message, or an empty text.
-std::string loadAfterSolver(const View&);
-std::string loadWithoutEffect(const View&);
-std::string servoBeforeIntegrator(const View&);
-std::string recorderBeforeSolver(const View&);
-std::string attributeErrors(const View&);
-std::string timeStep(const View&);
-std::string finiteMotion(const View&);
-std::string contactsWithoutBodies(const View&);
-std::string integrator(const View&);
-std::string timeStepper(const View&);
-std::string firstTimeStep(const View&);
-std::string bounds(const View&);
+std::string loadAfterSolver(const SceneQuery&);
+std::string loadWithoutEffect(const SceneQuery&);
+std::string servoBeforeIntegrator(const SceneQuery&);
+std::string recorderBeforeSolver(const SceneQuery&);
+std::string attributeErrors(const SceneQuery&);
+std::string timeStep(const SceneQuery&);
+std::string finiteMotion(const SceneQuery&);
+std::string contactsWithoutBodies(const SceneQuery&);
+std::string integrator(const SceneQuery&);
+std::string timeStepper(const SceneQuery&);
+std::string firstTimeStep(const SceneQuery&);
+std::string bounds(const SceneQuery&);
 
 // Rules on bodies (bodies.cpp).
-std::string invalidBodies(const View&);
-std::string materials(const View&);
-std::string obstaclesOutOfPlane(const View&);
+std::string invalidBodies(const SceneQuery&);
+std::string materials(const SceneQuery&);
+std::string obstaclesOutOfPlane(const SceneQuery&);
 
 // Rules on pairs of shapes (pairs.cpp).
-std::string unsupportedPairs(const View&);
+std::string unsupportedPairs(const SceneQuery&);
 
 // Rules on the periodic cell (cell.cpp).
-std::string wallsInCell(const View&);
-std::string cellStress(const View&);
-std::string velocityGradient(const View&);
-std::string smallCell(const View&);
+std::string wallsInCell(const SceneQuery&);
+std::string cellStress(const SceneQuery&);
+std::string velocityGradient(const SceneQuery&);
+std::string smallCell(const SceneQuery&);
 
 } // namespace yade::validation

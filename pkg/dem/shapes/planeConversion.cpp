@@ -1,4 +1,4 @@
-#include "dem/shapes/plane.hpp"
+#include "dem/shapes/planeConversion.hpp"
 
 namespace yade::plane {
 

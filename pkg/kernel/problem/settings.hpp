@@ -1,0 +1,74 @@
+// Settings of all solvers (solver.hpp).
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "problem/reductions.hpp"
+#include "problem/yielding.hpp"
+
+namespace rcr {
+
+struct Settings {
+	double tolerance     = 1e-4; // residual at which to stop [-]; 0 runs all iterations
+	int    maxIterations = 1000; // sweeps over all points
+	int    minIterations = 0;    // sweeps before any other criterion may stop the solver
+	int    checkInterval = 10;   // sweeps between two evaluations of the stop criteria
+	int    threads       = 1;
+	int    lanes         = 0; // kernels: scalar (1), AVX2 (4), the processor's widest (8, 0)
+	int    stallSweeps   = 0; // sweeps without a new lowest residual to stop at; 0: never
+
+	/// Kinematic error at which to stop, together with the residual (residual.hpp) [-]. The
+	/// residual weighs errors by forces. Velocity errors at a residual of 1e-4 can be as large as
+	/// the flow. Examples are slow flow, large steps and long particles. Infinity: no test.
+	double kinematicTolerance = 0.01;
+
+	/// Lower bound of the velocity scale of the kinematic error, over the RMS relative velocity
+	/// without contact impulses [-]. It sets the scale at rest.
+	double velocityFloor = 0.01;
+
+	/// Rounding error of velocities [m/s]. An island whose RMS error w_nn |p − P_K(…)| is smaller
+	/// counts as solved, for example bodies that fly together.
+	double roundingVelocity = 0;
+
+	/// Cost of an exact iteration in sweeps, for maxIterations and Report [-].
+	int exactCost = 1;
+
+	/// Contacts yield if the step has no solution, or if an impulse exceeds the yield impulse
+	/// (step/yield_bounds.hpp). Compliance 0: contacts never yield.
+	Yielding yielding;
+
+	/// A solution is known to exist: no contact yields, and nothing tests for the lack of one.
+	bool solutionExists = false;
+
+	/// Stop criterion of the paper: relative change of the mean normal impulse between two
+	/// evaluations [-]. The solver stops at the criterion that is met first. A warm start meets
+	/// 1e-3 already at a residual of 1e-2. 0: not used.
+	double meanForceChange = 0;
+
+	Reductions reductions;
+
+	/// Settings of an island with this number of points; null: these settings.
+	Settings (*ofIsland)(const Settings&, int points) = nullptr;
+
+	/// The workspace solved this problem last; only biases and impulses may differ. Its packed data
+	/// are reused, and the problem is not checked. A new workspace loads the problem all the same.
+	bool sameProblem = false;
+
+	bool mayYield() const { return yielding.compliance > 0 && !solutionExists; }
+
+	/// Returns true if residual and kinematic error meet their tolerances. Tolerance 0 is never
+	/// met.
+	bool accept(double residual, double error) const
+	{
+		return tolerance > 0 && residual <= tolerance && error <= kinematicTolerance;
+	}
+};
+
+const std::vector<std::string>& solverNames();
+
+/// Throws std::invalid_argument for an unknown name or settings out of range.
+void checkSettings(const std::string& solver, const Settings&);
+
+} // namespace rcr
