@@ -87,7 +87,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
 /// a late contact closes, or if a bias must change. The last pass is accepted, but the step has not
-/// converged if a late contact closes. Settings of a pass start from `first`.
+/// converged if a late contact closes. Settings of each pass derive from `first`.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations          = 0;
@@ -97,7 +97,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		timed("meanStretch", [&] {
 			rcr::removeDragImpulses(step_, { double(stretchChange[0]), double(stretchChange[1]) });
 		});
-	// how contacts yield without a solution, and the impulse beyond which they always yield
+	// the compliance of yielding contacts, and the impulse beyond which contacts yield
 	rcr::YieldBounds bounds = rcr::yieldBoundsOf(step_, workspace_.team());
 	rcr::Settings    first = settingsOfFirstPass(bounds), passSettings = first;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
@@ -139,13 +139,13 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 	const double    layoutBefore  = workspace_.layoutSeconds();
 	const rcr::Vec2 stretchBefore = step_.problem.stretchRate;
 	warmStart_                    = step_.problem.impulse;
-	// velocities at which contacts remove overlaps, if they yield
+	// yielding contacts open at these velocities, which remove their overlaps
 	rcr::setRecoveryBias(step_, double(correction), workspace_.team());
 	const std::string name   = get<&ContactDynamics::solver>();
 	const rcr::Report report = timed(
 	        "solve", [&] { return rcr::solve(step_.problem, name, passSettings, workspace_); });
 	const double layout = workspace_.layoutSeconds() - layoutBefore;
-	// the solve contains the layout, which is listed apart
+	// the solve contains the layout, which has a time of its own
 	times_.add("layout", layout), times_.add("solve", -layout);
 	iterations = iterations + report.iterations;
 	work_ += report.work;

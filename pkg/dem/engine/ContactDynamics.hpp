@@ -9,12 +9,12 @@
 //
 //   gather → [ solve → review ] repeated → correct → monitor → observe → scatter
 //
-// `gather` copies bodies, loads and contacts, and the last forces as initial impulses. A review adds
-// contacts that bodies have met beyond their alert distance. It adapts biases: to curved paths, and
-// where restitution would add energy. Each change requires another pass. The correction is a
-// displacement. `monitor` counts the step and throws at a jam. `scatter` adds the forces p/dt and
-// displaces the bodies; NewtonIntegrator moves them. In a run, the action may take up to 100
-// further steps in arrays (ArraySteps). Source: Moreau 1988, 1999; Jean 1999.
+// `gather` copies bodies, loads and contacts, and the last forces as initial impulses. The review
+// adds late contacts: contacts beyond the alert distances that close in the step. It adapts biases
+// to curved paths, and lowers restitution that adds energy. Each change requires another pass. The
+// correction is a displacement. `monitor` counts the step and throws at a jam. `scatter` adds the
+// forces p/dt and displaces the bodies; NewtonIntegrator moves them. In a run, the action may take
+// up to 100 further steps in arrays (ArraySteps). Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
 #include <thread>
@@ -63,7 +63,7 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,
 		"Solves all rigid contacts of a step together (nonsmooth Contact Dynamics, Moreau time stepping) and adds their forces to "
 		"the bodies. It stands between :yref:`InteractionLoop` and :yref:`NewtonIntegrator`, whose damping must be 0. "
-		"docs/law.md describes each setting.",
+		"docs/law.md and docs/solvers.md describe the settings.",
 		((Real,tolerance,1e-4,,"Residual at which the solver stops [-]; 0 runs all iterations."))
 		((Real,kinematicTolerance,0.01,,"Largest :yref:`kinematicError<ContactDynamics.kinematicError>` at which the solver stops [-]; tolerance must be met too. inf switches it off."))
 		((int,maxIterations,1000,,"Sweeps after which a solve stops. Further passes, yielding contacts and squeezed grains may take more."))
@@ -77,7 +77,7 @@ public:
 		((std::vector<int>,observe,,,""))
 		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
 		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances, or meanForceChange, without yielding, and no undetected contact closed. False also if two bodies span half of a periodic cell, or if large displacements of bodies with inertia left an overlap beyond 0.02 (R₁ + R₂)."))
-		((Published<int>,iterations,0,Attr::readonly,"Sweeps of the last step over all passes, in the island that took most. May exceed maxIterations."))
+		((Published<int>,iterations,0,Attr::readonly,"Sweeps of the last step: the sum over its passes of the sweeps of the island that took most. May exceed maxIterations."))
 		((Published<double>,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
 		((Published<double>,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step, over their RMS or, if larger, 1 % of the RMS without contacts [-]."))
 		((Published<int>,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance."))
@@ -104,7 +104,7 @@ public:
 		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. Each entry of observations restarts these means. docs/solvers.md has an example.")
 		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
 		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for ContactDynamics.save.")
-		.def("_change_since_step",&ContactDynamics::changeSinceStep,"What a script changed since the last step, so that pos − O.dt vel is not the position at its beginning. Before NewtonIntegrator, the velocities differ too. Empty: nothing, or unknown, as O.iter is that of another step.")
+		.def("_change_since_step",&ContactDynamics::changeSinceStep,"Names a change since the last step after which pos − O.dt vel is not the position at its beginning. Before NewtonIntegrator, the velocities differ too. Empty: no change, or O.iter is not that of the last step.")
 		.def("__dir__",&ContactDynamics::visibleNames)
 	);
 	// clang-format on
@@ -137,7 +137,7 @@ private:
 	std::shared_ptr<ArraySteps>   arraySteps_;
 	std::vector<rcr::LocalVector> warmStart_; // impulses from which the last problem was solved
 	double                        work_ = 0; // sweeps × points of the last step
-	bool                          largeDisplacements_ = false; // of this step
+	bool                          largeDisplacements_ = false; // of a contact in this step
 	StepModel                     model_;
 	StepObserver                  observer_;
 	StageTimes                    times_;

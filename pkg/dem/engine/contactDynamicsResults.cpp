@@ -1,4 +1,4 @@
-// Counts and records the steps of ContactDynamics, and its results as dicts of Python.
+// Counts and records steps of ContactDynamics. Returns its results as Python dicts.
 #include <array>
 
 #include "dem/engine/ContactDynamics.hpp"

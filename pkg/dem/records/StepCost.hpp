@@ -17,7 +17,7 @@ struct StepModel {
 	double            work            = 0;                // sweeps × points of the step
 	Vector2r          meanStretchRate = Vector2r::Zero(); // along x and y [1/s]
 	long              arraySteps      = 0;
-	std::string       enginesReason; // YADE's engines take the next step; empty: they do not
+	std::string       enginesReason; // why YADE's engines take the next step; empty: arrays take it
 
 	boost::python::dict dict() const
 	{

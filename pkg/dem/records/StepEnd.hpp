@@ -9,8 +9,8 @@
 
 namespace yade {
 
-/// First difference of the scene from the time step and the velocities of its last step, by body;
-/// empty: none. Velocities may differ by as much as a position correction moves bodies.
+/// Names the first change of O.dt or of a velocity since the last step. Empty: none. Velocities may
+/// differ by as much as a position correction moves bodies.
 std::string changeSince(const Scene&, double dt, const std::vector<rcr::PlanarVector>& velocity);
 
 /// The end of a run or step, or the moment after O.load, under any law.

@@ -51,9 +51,9 @@ int firstNotFinite(const rcr::Step&);
 /// finite, and the file. Calls Python (engine/contactDynamicsResults.cpp).
 std::string saveNotFinite(const rcr::Step&, int id, long iteration);
 
-/// For steps with large displacements that have not converged. Throws std::runtime_error if
-/// contacts have added more energy than T(v⁻) + T(v_free). These are the kinetic energies before
-/// the step and at its end without contacts. Steps with driven bodies are exempt.
+/// For unconverged steps with large displacements. Throws std::runtime_error if contacts have added
+/// more energy than T(v⁻) + T(v_free). These are the kinetic energies before the step and at its
+/// end without contacts. Steps with driven bodies are exempt.
 void checkEnergy(const rcr::Step&, long iteration);
 
 /// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step.

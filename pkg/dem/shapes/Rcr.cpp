@@ -29,9 +29,9 @@ Vector3r boxWidening(const Scene& scene)
 	return wider;
 }
 
-/// Box of the circumscribed circle and the alert distance, both times `factor`; in a sheared cell,
-/// the box in unsheared space. YADE's collider ends the process if a box spans half of a cell, so
-/// the look-ahead is limited there. The step then detects the other contacts.
+/// Box around a circle of `factor` × (circumscribed radius + alert distance). In a sheared cell its
+/// coordinates are those of unsheared space. YADE's collider ends the process if a box spans half
+/// of a cell, so the look-ahead is limited there. The step then detects the other contacts.
 static void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body& body,
         Real factor, const Scene& scene)
 {

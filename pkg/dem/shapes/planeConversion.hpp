@@ -37,7 +37,7 @@ rcr::PeriodicCell cellOf(const Scene&);
 /// Shape in the plane at height z; kind none if it is unsupported or does not reach the plane.
 rcr::PlanarShape shapeOf(const Shape&, const State&, Real z);
 
-/// Rotation of a body; 0 for a segment, whose end points contain the rotation.
+/// Rotation of a body. Segments have 0, since `cut` rotates their ends.
 inline rcr::Turn turnOf(const rcr::PlanarShape& shape, const State& state)
 {
 	return shape.kind == rcr::PlanarShape::segment

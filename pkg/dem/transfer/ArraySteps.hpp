@@ -6,9 +6,9 @@
 // collider and InteractionLoop. `writeBack` then copies the state at the beginning of the last step
 // to YADE's objects. Results have the same bits as steps by YADE's engines.
 //
-// YADE's engines take the last step of a run, every 100th step, which updates YADE's objects, and
-// steps in which an engine is due that may read any object. They take all steps of scenes that the
-// arrays do not support (`sceneReason`, `bodiesReason`).
+// YADE's engines complete the last step of a run. They take a step after 100 steps in arrays, which
+// updates YADE's objects, and steps in which an engine is due that may read any object. They take
+// all steps of scenes that the arrays do not support (`sceneReason`, `bodiesReason`).
 //
 // Obstacles and bodies that engines load or drive (kinematic engines, force engines, WallStress)
 // are synced: each step reads and writes YADE's objects of them.

@@ -1,8 +1,8 @@
 // Properties of a scene by which YADE's collider excludes pairs of bodies.
 //
-// The collider checks them only when two boxes begin to overlap. It never lists a pair that a later
-// change allows. If a body was erased before, a new collider registers only bodies inserted after
-// it. A change therefore restarts the collider.
+// The collider checks them only when two boxes begin to overlap. It misses pairs that a later
+// change allows. After an erasure, a new collider registers only bodies that are inserted later. A
+// change therefore restarts the collider.
 #pragma once
 
 #include <tuple>

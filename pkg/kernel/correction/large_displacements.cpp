@@ -8,7 +8,7 @@ constexpr int    nearMissSamples = 8; // times at which contacts with restitutio
 // least gap over the slop of a contact that is released
 constexpr double clearance       = 0.02;
 constexpr double loadedClearance = 0.5; // its value if the contact bore a force before the step
-// fraction of the path that a kept contact may leave open, up to the slop
+// a contact stays if its gap is below this share of the path, and below the slop
 constexpr double earlyArrival    = 0.01;
 
 static const PlanarVector& initial(const Step& step, int id) { return step.bodies[id].velocity; }

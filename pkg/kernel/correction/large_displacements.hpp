@@ -14,8 +14,8 @@
 //
 // A loaded contact whose gap stays open along the path is released. With the smallest measured gap
 // g_min, its bias rises by 2 g_min/dt, and by |g|/dt at an overlap g < 0. The gap must exceed 2 %
-// of the slop. Without restitution, it must also exceed 1 % of the closing path, up to the slop,
-// and half the slop if the contact bore a force before the step.
+// of the slop. Without restitution, it must also exceed min(slop, 1 % of the closing path), and
+// half the slop if the contact bore a force before the step.
 //
 // A contact with restitution is released if the bodies would miss each other at their initial
 // velocities. Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.

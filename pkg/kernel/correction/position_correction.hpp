@@ -1,14 +1,14 @@
 // Removes overlaps by displacements that never become velocities (split impulses).
 //
-// The tolerance of the solver and the curvature of paths leave overlaps. The step is solved once
-// more from its own impulses, with u_n ≥ β (|g| − slop)/dt at overlaps. The bodies are displaced by
-// dt (v_β − v). Both solves contain the loads of the step. So a displacement opens no contact that
-// the next step would close with an impact.
+// The tolerance of the solver and the curvature of paths leave overlaps. Ten further sweeps
+// start from the impulses of the step, with u_n ≥ β (|g| − slop)/dt at overlaps. The bodies are
+// displaced by dt (v_β − v). Both velocities contain the loads of the step, so a displacement opens
+// no loaded contact.
 //
-// Only the overlap beyond the slop counts. In a marginal packing, a contact opens only if other
-// bodies move far and then overlap again. The largest displacement of bodies and walls is therefore
-// bounded, and all displacements are scaled by the same factor. A cell that stretches is displaced
-// with its bodies. Source: Jourdan, Alart and Jean 1998.
+// Only the overlap beyond the slop counts. In a barely rigid packing, the opening of one contact
+// would move other bodies far. The largest displacement of bodies and walls is therefore bounded,
+// and all displacements are scaled by the same factor. A cell that stretches is displaced with its
+// bodies. Source: Jourdan, Alart and Jean 1998.
 #pragma once
 
 #include "problem/solver.hpp"

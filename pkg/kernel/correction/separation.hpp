@@ -11,8 +11,8 @@
 // α = 1/2 for large displacements, else 1. Overlaps below 10 slops start no displacement. Nonlinear
 // Gauss–Seidel solves this in the metric of the masses, in at most 200 sweeps. Gaps are detected at
 // the displaced positions. A contact counts as solved within one slop. Other contacts of such a
-// step are included if the tolerance of the solver leaves overlaps beyond 10 slops. Source:
-// position solver of Box2D (Catto 2011); Cline and Pai 2003 (post-stabilization).
+// step join if they end with overlaps above 10 slops. Source: position solver of Box2D (Catto
+// 2011); Cline and Pai 2003 (post-stabilization).
 #pragma once
 
 #include "step/step.hpp"

@@ -41,9 +41,9 @@ struct DelassusProblem {
 };
 
 /// Solves the problem with the solver of that name (solve_delassus.cpp).
-/// Reads the settings of StopTest except kinematicTolerance and meanForceChange.
-/// Throws std::invalid_argument for an unknown solver, a bad setting or a bad problem: array lengths,
-/// the pattern of W, numbers that are not finite, diagonals < 0, friction outside 0 … 1000.
+/// Reads tolerance, maxIterations, minIterations, checkInterval and stallSweeps. Throws
+/// std::invalid_argument for an unknown solver, a bad setting or a bad problem: array lengths, the
+/// pattern of W, numbers that are not finite, diagonals < 0, friction outside 0 … 1000.
 Report solve(DelassusProblem&, const std::string& solver, const Settings&);
 
 } // namespace rcr

@@ -295,7 +295,7 @@ bool findLateContacts(Step& step, const ContactFilter& allowsContact)
 
 void addLateContacts(Step& step)
 {
-	// bodies whose contacts start with their initial bias
+	// bodies whose contacts restart from their initial bias
 	std::vector<char> restarted(step.bodies.size());
 	for (int id : step.widened)
 		restarted[id] = true;

@@ -114,7 +114,7 @@ void Neighbors::chooseMargin()
 		++grains;
 	}
 	const double radius = grains > 0 ? radii / grains : 0;
-	// exceeded by at most a tenth of the bodies that a repair may move
+	// exceeded by at most 0.2 % of the bodies, a tenth of those that a repair may move
 	const double path = rankedFromTop(paths, paths.size() / (10 * repairFraction));
 	margin_           = std::clamp(stepsAhead * path, least * radius, most * radius);
 }

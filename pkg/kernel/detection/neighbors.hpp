@@ -9,10 +9,10 @@
 // The core of a body has the unit axis τ and the half length a. The index 0 marks values at the
 // time of the list.
 //
-// The margin is the path of all but the fastest bodies in 12 steps, within 0.05 to 0.4 mean cap
-// radii. Candidates come from a grid. A cell is as wide as the search circles of all but the widest
-// grains. Wide grains and obstacles search their surroundings. If few bodies violate the condition,
-// only their pairs are searched again.
+// 99.8 % of the bodies move less than the margin in 12 steps. It is 0.05 to 0.4 mean cap radii.
+// Candidates come from a grid. A cell is at least as wide as the search circles of all but the
+// widest grains. Wide grains and obstacles search their surroundings. If few bodies violate the
+// condition, only their pairs are searched again.
 #pragma once
 
 #include <utility>

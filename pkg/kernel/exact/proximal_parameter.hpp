@@ -6,8 +6,8 @@
 namespace rcr {
 
 /// ρ rises while steps converge and falls when one does not. Each failure also doubles the number
-/// of steps that must converge before the next rise. A converged step after a rise halves it. The
-/// solution takes several steps to leave an unstable state.
+/// of steps that must converge before the next rise. A step that converges right after a rise
+/// halves this number. The solution takes several steps to leave an unstable state.
 class ProximalParameter {
 public:
 	double rho() const { return rho_; }

@@ -24,7 +24,7 @@ namespace {
 
 	constexpr int maxSweeps    = 1000; // before the exact steps; at most half of maxIterations
 	constexpr int repairSweeps = 300;  // after a fold; 100 to 1000 do as well
-	constexpr int pivotSweeps  = 20; // more sweeps per pivot of the path, about the cost of a pivot
+	constexpr int pivotSweeps  = 20; // more sweeps per pivot of the path; they cost about a pivot
 	constexpr int maxPivots    = 2000; // of one path
 
 	/// The best impulses so far.

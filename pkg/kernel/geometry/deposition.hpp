@@ -1,7 +1,7 @@
 // Geometric deposition of discs in a box, layer by layer.
 //
-// Each disc takes the lowest free position. It touches two discs or walls and overlaps nothing. A
-// pore that no disc of a whole layer enters stays empty.
+// Each disc takes the lowest free position. It touches two discs or walls and overlaps nothing.
+// After each layer, places below its lowest disc are closed.
 // Source: paper, sec. II B; Bratberg et al. 2002; Voivret et al. 2007.
 #pragma once
 

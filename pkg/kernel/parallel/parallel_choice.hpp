@@ -3,9 +3,9 @@
 // Helpers do not pay off if their cores are busy, or if moving data between caches takes longer
 // than the work saved. The size of a loop does not predict this. Both modes are therefore tried for
 // some rounds. The first rounds of a mode fill the caches and do not count. A short trial measures
-// the fastest time of a mode, but not its delays. The chosen mode's slowdown is its mean time over
-// its fastest, of all its rounds. In later trials, the slowdown multiplies the fastest time of this
-// mode. Results do not depend on the mode.
+// the fastest time of a mode, but not its delays. The slowdown of a chosen mode is the mean time of
+// its rounds over the fastest. Later trials multiply the fastest time of this mode by it. Results
+// do not depend on the mode.
 #pragma once
 
 #include <algorithm>
@@ -32,10 +32,11 @@ public:
 private:
 	static constexpr int    warmUp      = 2; // rounds that do not count
 	static constexpr int    trialRounds = 8; // rounds of a trial
-	static constexpr int    interval = 400; // rounds between trials, which cost 2 % at a ratio of 2
+	// rounds between trials, which take 2 % of the time if the other mode is twice as slow
+	static constexpr int    interval    = 400;
 	static constexpr double muchSlower  = 2; // ratio to the other mode that ends a trial at once
 	static constexpr double maxSlowdown = 3; // beyond, the load of the machine has changed
-	static constexpr double memory = 0.9; // factor of slowdown − 1 of the unused mode per trial
+	static constexpr double memory      = 0.9; // factor of slowdown − 1 of the unused mode per trial
 
 	/// Times of a mode since its last start.
 	struct Mode {

@@ -1,7 +1,7 @@
 // Helper threads of the process, shared by all thread teams.
 //
-// A team holds helpers only while it runs. The pool never has more threads than teams that run at
-// the same time have requested. A helper ends after ten seconds without a request. A child process
+// A team holds helpers only while it runs. The pool never has more threads than the teams that run
+// at one time have requested. A helper ends after ten seconds without a request. A child process
 // starts without helpers after fork().
 #pragma once
 

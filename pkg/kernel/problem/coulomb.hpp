@@ -24,7 +24,7 @@ struct Delassus {
 	double nn = 0, nt = 0, tt = 0;
 };
 
-/// Components of directions and levers below this share of their length are rounding errors [-].
+/// Components of directions and levers below this share of the length count as rounding errors [-].
 constexpr double negligibleLever = 1e-10;
 constexpr double roundingShare   = 1e-12; // of a difference of responses over its largest term [-]
 

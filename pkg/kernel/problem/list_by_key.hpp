@@ -18,7 +18,7 @@ void listByKey(std::size_t keys, std::vector<std::int32_t>& begin, std::vector<I
 	forEach([&](std::size_t key, const Item&) { ++begin[key + 2]; });
 	std::partial_sum(begin.begin(), begin.end(), begin.begin());
 	items.resize(begin.back());
-	// begin[k + 1] is the next place of key k, and its end afterwards
+	// while the list fills, begin[k + 1] is the next place of key k; afterwards it is its end
 	forEach([&](std::size_t key, const Item& item) { items[begin[key + 1]++] = item; });
 	begin.pop_back();
 }

@@ -59,7 +59,8 @@ inline double kinematicErrorFromSums(
 }
 
 /// Residual from sums of squares over the points: error, p, and the impulse that stops a point,
-/// (|u_n| + |b_n|)/w_nn. Without load ‖p‖ is rounding; 1e-8 of the stopping impulses bounds it.
+/// (|u_n| + |b_n|)/w_nn. Without load, ‖p‖ is a rounding error. The denominator is therefore at
+/// least 1e-8 of the stopping impulses.
 inline double residualFromSums(double error2, double impulse2, double stopping2)
 {
 	return relativeRms(error2, std::max(impulse2, 1e-16 * stopping2));

@@ -39,7 +39,7 @@ struct Settings {
 	/// (step/yield_bounds.hpp). Compliance 0: contacts never yield.
 	Yielding yielding;
 
-	/// A solution is known to exist: no contact yields, and nothing tests for the lack of one.
+	/// A solution is known to exist. No contact yields, and no test looks for the lack of one.
 	bool solutionExists = false;
 
 	/// Stop criterion of the paper: relative change of the mean normal impulse between two

@@ -11,10 +11,10 @@ namespace rcr {
 
 constexpr double exactBelow = 1e-6; // residual below which exact steps are faster [-]
 constexpr int    leastPatience = 300; // least sweeps without a new lowest residual to exact steps
-constexpr int    exactIterations = 10; // exact iterations that cost as much as this patience
+constexpr int    exactIterations = 10; // exact iterations that cost as much as patience()
 constexpr int    smallProblem = 1000; // points; exact steps cost at most some hundred sweeps
 constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
-// least maxIterations for a test of divergence; shorter passes run ten sweeps, too few for it
+// a test of divergence needs 20 iterations; later passes may have only ten
 constexpr int    minIterationsToProbe = 20;
 constexpr int    sweepsFromZero = 100; // for impulses of positive cost; a few remove most of it
 // factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift
@@ -244,9 +244,9 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 			problem.yielded[body] = !problem.prescribed(int(body));
 		return solveYielding(problem, settings, workspace).plusWorkOf(rigid);
 	}
-	// mustYield has tested contacts that may yield
+	// mustYield covers problems whose contacts may yield
 	if (rigid.converged && !settings.mayYield() && !settings.solutionExists
-	        // the residual omits a blocked contact, and impulses that grow lower it
+	        // the residual omits blocked contacts, and growing impulses lower it
 	        && (exceedsEnergyBound(problem)
 	                || (closesBlockedContact(problem, settings.roundingVelocity)
 	                        && closesBlockedContact(problem, 1e-12 * drivenSpeed(problem)))))

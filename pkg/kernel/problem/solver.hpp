@@ -84,7 +84,8 @@ private:
 	std::unique_ptr<PackedProblem> packed_;
 };
 
-/// Over-relaxation of sor [-]. It saves a third of the sweeps in dense packings; 1.6 cycles.
+/// Over-relaxation of sor [-]. It saves a third of the sweeps in dense packings. At 1.6 the sweeps
+/// cycle.
 constexpr double relaxation = 1.3;
 
 Report solveNlgs(ContactProblem&, const Settings&, Workspace&);     // plain Gauss–Seidel [paper]
@@ -94,8 +95,8 @@ Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // momentum 
 /// Sweeps to a residual of about 1e-5, at which exact steps begin (exact/).
 Report sweepForExactSteps(ContactProblem&, const Settings&, Workspace&);
 
-/// Exact steps reach 1e-8 where sweeps stall. `swept` is the report of the sweeps before. At most
-/// maxIterations in addition to them.
+/// Exact steps reach 1e-8 where sweeps stall. `swept` is the report of the sweeps before. Runs at
+/// most maxIterations further iterations.
 Report solveExact(ContactProblem&, const Settings&, const Report& swept, Workspace&);
 
 /// Solves with yielding contacts (sweep/solve_yielding.cpp). A workspace that holds a problem must
@@ -105,17 +106,17 @@ Report solveYielding(ContactProblem&, const Settings&, Workspace&);
 /// Runs a solver by name: nlgs, sor, nesterov, exact or auto. Lets contacts yield if required.
 ///
 /// All islands are swept together. An island that has not met the criteria, or that may have no
-/// solution, is then solved alone: with exact steps, or with yielding contacts. So the verdict on
-/// an island does not depend on the others. If contacts may yield, an island that has yielded in an
-/// earlier pass of the step yields again unless a few sweeps solve it.
+/// solution, is then solved alone: with exact steps, with yielding contacts, or with sweeps from
+/// zero impulses. So the verdict on an island does not depend on the others. If contacts may yield,
+/// an island that has yielded in an earlier pass of the step yields again unless a few sweeps solve
+/// it.
 ///
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
 /// tolerance below 1e-6, exact steps follow sweeps to 1e-5. An island of up to 1000 points gets
 /// exact steps after 300 sweeps. An exact iteration counts as 20 sweeps there, or as one if the
 /// residual already meets its tolerance. Such an island is also solved with a velocityFloor smaller
-/// by 1000, at limited cost. `converged` and the kinematic error refer to the given floor, except
-/// `converged` with friction at a tolerance below 1e-6. A stretching cell is swept with momentum,
-/// unless nlgs or sor is named.
+/// by 1000, at limited cost. `converged` and the kinematic error refer to the given floor. A
+/// stretching cell is swept with momentum, unless nlgs or sor is named.
 ///
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.

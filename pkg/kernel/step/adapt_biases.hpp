@@ -9,14 +9,14 @@
 
 namespace rcr {
 
-/// Returns true if rest satisfies the contact laws: no contact point is driven and no contact must
-/// open. The step then has a solution.
+/// Returns true if rest satisfies the contact laws: no contact point is driven and no bias is
+/// negative. The step then has a solution.
 bool restIsAdmissible(const Step&, double driveSpeed);
 
 /// Adapts the biases. Returns true if one changed.
 ///   allowRelease        contacts may be released
-///   nextIsLast          only one solve follows: keeps biases of displacements, removes restitution
-///                       that adds energy
+///   nextIsLast          only one pass follows: it keeps biases of displacements and removes
+///                       restitution that adds energy
 ///   tolerance           of the solver [-]
 ///   largeDisplacements  out: a contact has a large displacement
 bool adaptBiases(Step&, bool allowRelease, bool nextIsLast, double tolerance,

@@ -6,8 +6,8 @@
 
 namespace rcr {
 
-/// The nearest point keeps the force; of two points, the order along the tangent counts. `along`:
-/// position of each point along the tangent [m]. `none`: a force of zero.
+/// The nearest point inherits a force. Two points inherit forces in their order along the tangent.
+/// `along`: position of each point along the tangent [m]. `none`: a force of zero.
 template <class Along, class Force>
 inline void carryForward(int before, const Along& alongBefore, int now, const Along& alongNow,
         Force& force1, Force& force2, const Force& none)

@@ -5,8 +5,8 @@
 // the drag adds up over the sample. The mean stretch of a step therefore enters the flow of the
 // next step.
 //
-// The start impulses of that step contain the drag of the earlier flow. They are corrected, since
-// sweeps would remove the drag slowly.
+// The initial impulses of that step contain the drag of the earlier flow. removeDragImpulses
+// subtracts it, because sweeps remove it slowly.
 #pragma once
 
 #include "step/step.hpp"
@@ -17,8 +17,8 @@ namespace rcr {
 /// v_start) / Σ m r² [1/s]. It is relative to the start velocities.
 Vec2 meanStretchRate(const Step&);
 
-/// Subtracts the drag of the earlier flow from the start impulses. The drag through a section at r
-/// is Σ m r ė over the bodies farther out, with the stretch rate ė [1/s]. An impulse changes by at
+/// Subtracts the drag of the earlier flow from the start impulses. A section at r transmits the
+/// drag Σ m r ė of all bodies farther out, with the stretch rate ė [1/s]. An impulse changes by at
 /// most half.
 void removeDragImpulses(Step&, Vec2 stretchRate);
 

@@ -15,7 +15,7 @@ namespace {
 		double gain = 0, plasticLoss = 0, work = 0;
 	};
 
-	/// Adds those of a point.
+	/// Adds the energies of a point.
 	void add(Energy& of, const Step& step, std::size_t k)
 	{
 		const ContactPoint& c = step.problem.points[k];
@@ -35,8 +35,7 @@ namespace {
 		return of.plasticLoss / (of.plasticLoss + 1.5 * of.gain);
 	}
 
-	/// Points with impulses of contacts with restitution, those of a pair of bodies one after the
-	/// other.
+	/// Points that bear an impulse in contacts with restitution, grouped by pairs of bodies.
 	std::vector<int> pointsByBodies(const Step& step)
 	{
 		std::vector<int> points;

@@ -11,10 +11,10 @@
 //
 // over its points. Without restitution it would lose about the energy L = ½ Σ p_n |u_n⁻| / (1 + e)
 // over the points with restitution. All their biases are multiplied by L / (L + 3/2 ΔE) until
-// ΔE ≤ 0. The law may have no solution if one body collides twice in a step. The restitution of a
-// point is then limited to its solved normal velocity. A contact that pushes because of a large
-// displacement is treated like a contact with restitution. Source: Newton's rule after Moreau 1999;
-// Kane and Levinson 1985 (its energy).
+// ΔE ≤ 0. A step in which one body collides twice may have no solution. lowerRestitutionOfYielded
+// then limits the restitution of a point to its solved normal velocity. In a collision, the
+// bias of a large displacement counts like restitution. Source: Newton's rule
+// after Moreau 1999; Kane and Levinson 1985 (its energy).
 #pragma once
 
 #include "step/step.hpp"

@@ -1,9 +1,9 @@
 // One time step of rigid contacts: all data that its stages read and write, in flat arrays.
 //
-// pkg/README.md lists the stages. Those between gather and scatter change these arrays alone, so an
-// error in them changes nothing in the simulation. They call the simulation only to filter new
-// contacts and to obtain their friction and restitution. Bodies have the same numbers as in the
-// simulation. A contact stores these numbers. A point stores the bodies that its impulse moves, for
+// pkg/README.md lists the stages. Those between gather and scatter move bodies and contacts in these
+// arrays alone, so an error in them moves nothing in the simulation. They call the simulation to
+// filter new contacts and to obtain their friction and restitution. Bodies have the same numbers as
+// in the simulation. A contact stores these numbers. A point stores the bodies that its impulse moves, for
 // a clump member its clump.
 //
 // | symbol | field         | unit | meaning                                               |
@@ -58,7 +58,7 @@ struct StepBody {
 	PlanarVector  velocity;          // at the beginning of the step
 	double        radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
 	double        alertDistance = 0; // distance within which its contacts were detected [m]
-	// detection covers paths up to this length [m]; infinite for prescribed motion, except of clump
+	// longest path that detection covers [m]; infinite for prescribed bodies other than clump
 	// members
 	double       coveredPath   = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
@@ -223,9 +223,9 @@ struct Step {
 	/// it [1/s].
 	void updateGradient(Vec2 before);
 
-	/// Upper bound of the path of all points of a body in the step [m]. Its centre now moves at the
-	/// velocity v. A clump member turns about the centre of its clump, at the distance r. Its
-	/// velocity changes by up to |ω| min(|ω| dt, 2) r.
+	/// Upper bound of the path of all points of a body in the step [m]. v is the present velocity
+	/// of its centre. A clump member at the distance r from the centre of its clump changes its
+	/// velocity by at most |ω| min(|ω| dt, 2) r.
 	double pathOf(int id, const PlanarVector& v) const
 	{
 		const StepBody& body = bodies[id];

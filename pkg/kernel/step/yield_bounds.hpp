@@ -16,10 +16,10 @@
 //   ε = V m̄/(P + 10 L) ≤ 1/r, at least 1e-4
 //
 // A contact with w_nn < w₀ = 0.1/m̄ yields as if w_nn = w₀, so it bears at most ten times P + 10 L.
-// A contact of the mass m̄ that bears L closes slower than V/10. A driven step with a contact
-// beyond P_y = 3 max(P, P₁) + 200 L yields although it has a rigid solution. P₁ is the largest
-// m (V + |v_free|) of one body, which a single impact transfers. A struck row bears P, a contact in
-// a sheared packing up to 40 L.
+// Under the load L, a contact of the mass m̄ closes more slowly than V/10. A driven step with a
+// contact beyond P_y = 3 max(P, P₁) + 200 L yields although it has a rigid solution. P₁ is the
+// largest m (V + |v_free|) of one body, which a single impact transfers. A struck row bears P. A
+// contact in a sheared packing bears at most 40 L.
 //
 // A hinged body can only turn. It counts as the mass I/(0.1 R)² with the speed 0.1 R |ω|, where R is
 // its radius: those that a contact at the lever 0.1 R meets.

@@ -17,8 +17,7 @@
 namespace rcr {
 
 /// τ and its restart. Some growth of the error is allowed, because waves due to momentum decay. The
-/// allowed growth shrinks when a run has no lower minimum than the last one. Otherwise the restart
-/// may cycle.
+/// allowed growth shrinks if a run does not lower the minimum, since restarts would cycle.
 class Momentum {
 public:
 	double beta() const { return (tau_ - 1) / next(); }

@@ -3,8 +3,8 @@
 // A missed step is one that did not converge, at a tolerance > 0. Overlaps of beds at rest and in
 // flow stay below 5e-3 (R₁ + R₂), and the position correction removes them. Missed steps are
 // therefore counted silently up to that depth. A warning is due when the deepest overlap exceeds it
-// and has doubled since the last warning. A warning is also due when the number of yielded steps
-// has become ten times as large.
+// and has doubled since the last warning. It is also due at the first yielded step, and when the
+// number of yielded steps has grown tenfold since the last warning.
 //
 // Overlaps may grow although all steps converge, if a script moves bodies or adds forces after the
 // solve. The same rule applies then. The overlap of the first step needs no warning, since the

@@ -68,7 +68,8 @@ namespace record {
 inline std::uint32_t offsetOf(std::int32_t record) { return 2 * std::uint32_t(record); }
 inline std::int32_t  recordOf(std::uint32_t offset) { return std::int32_t(offset / 2); }
 
-/// Offsets of the records of the pairs of a block. A prescribed body has one record per slot.
+/// Offsets of two records for each pair of a block. A prescribed body has a separate record in each
+/// slot.
 struct alignas(64) PairBlock {
 	std::uint32_t body1[blockWidth], body2[blockWidth];
 };
