@@ -76,7 +76,7 @@ public:
 		((bool,trackMeanStretch,false,,"Overdamped bodies also start from the mean stretch of earlier steps, so that no drag resists it. Not in a periodic cell."))
 		((std::vector<int>,observe,,,""))
 		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
-		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances, or meanForceChange, without yielding, and no undetected contact closed. False also if two bodies span half of a periodic cell, or if large displacements of bodies with inertia left an overlap beyond 0.02 (R₁ + R₂)."))
+		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances, or meanForceChange, without yielding, and no late contact closed. False also if two bodies span half of a periodic cell, or if large displacements of bodies with inertia left an overlap beyond 0.02 (R₁ + R₂)."))
 		((Published<int>,iterations,0,Attr::readonly,"Sweeps of the last step: the sum over its passes of the sweeps of the island that took most. May exceed maxIterations."))
 		((Published<double>,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
 		((Published<double>,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step, over their RMS or, if larger, 1 % of the RMS without contacts [-]."))
