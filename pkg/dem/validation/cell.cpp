@@ -21,10 +21,13 @@ std::string cellStress(const SceneQuery& v)
 	if (v.indexOf<CellStress>() >= 0 && !v.scene.isPeriodic)
 		return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), "
 		       "or remove it.";
-	if (v.law == rigid && v.indexOf<PeriTriaxController>() >= 0)
-		return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which rigid "
-		       "contacts do not have or answer without bound; use rcr.CellStress.";
-	return {};
+	if (v.law != rigid) return {};
+	const int controller = std::max({ v.indexOf<PeriTriaxController>(),
+	        v.indexOf<PeriIsoCompressor>(), v.indexOf<Peri3dController>() });
+	if (controller < 0) return {};
+	return v.engines[controller]->getClassName()
+	        + " moves the cell by stiffnesses or by last stresses, which rigid contacts do not have or "
+	          "answer without bound; use rcr.CellStress.";
 }
 
 std::string velocityGradient(const SceneQuery& v)

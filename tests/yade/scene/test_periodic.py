@@ -10,7 +10,8 @@ from scenes import (LAWS, assert_refused, assert_reload_changes_nothing, build, 
                     springy, steps, without)
 from yade import O, utils
 from yade.minieigenHP import Matrix3
-from yade.wrapper import InsertionSortCollider, PeriTriaxController
+from yade.wrapper import (InsertionSortCollider, Peri3dController, PeriIsoCompressor,
+                          PeriTriaxController)
 
 
 def scene(law, *bodies, size=2.0, gravity=(0, 0, 0), **options):
@@ -177,7 +178,10 @@ def test_problems_of_a_deforming_cell_are_not_saved(tmp_path):
     (lambda: scene("rigid", rcr.disc((0.3, 0.3), 0.2, material=material()), size=0.7),
      "the periodic cell is 0.7 wide at its narrowest, body #0 has the radius 0.2"),
     (lambda: insert(3, PeriTriaxController(dynCell=True, mass=1, goal=(-1, -1, 0), stressMask=3)),
-     "use rcr.CellStress"),
+     "PeriTriaxController moves the cell .* use rcr.CellStress"),
+    (lambda: insert(3, PeriIsoCompressor(stresses=[-1])), "PeriIsoCompressor .* rcr.CellStress"),
+    (lambda: insert(3, Peri3dController(goal=(-1, -1, 0, 0, 0, 0), stressMask=3)),
+     "Peri3dController .* rcr.CellStress"),
     (lambda: pressed(stress=(1, 1), mass=0), "CellStress.mass = 0; expected a finite factor > 0"),
     (lambda: pressed(stress=(math.inf, 0)), "CellStress.stress is infinite"),
     (lambda: pressed(rcr.disc((1, 1), 0.3), size=None, stress=(1, 1)),
