@@ -72,7 +72,8 @@ static bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner,
 	        && obstacleLeavesBox(b.shape, rcr::poseAfter(b, owner, v, dt), 0, bound);
 }
 
-/// Largest displacement of an image relative to its body in a step [m].
+/// Largest displacement of an image along a base vector in a step [m]. A corner image moves up to
+/// twice as far (PeriodicCell::largestDrift). The boxes of both bodies together cover this.
 static double largestImageDisplacement(const rcr::Step& step)
 {
 	const rcr::PeriodicCell& cell = step.cell;
