@@ -538,6 +538,16 @@ def test_another_environment_wipes_the_build(machine):
         assert stale.exists() == kept
 
 
+def test_a_moved_clone_is_built_anew(machine):
+    """CMake's cache holds absolute paths."""
+    build(machine, "exit 0")
+    moved = machine.path / "moved"
+    machine.repo.rename(moved)
+    (moved / "build" / "stale").touch()
+    machine.repo = moved
+    assert build(machine, "exit 0")[0] == 0 and not (moved / "build" / "stale").exists()
+
+
 def test_a_second_build_waits_for_one_that_has_work(machine):
     """It configures, then compiles. Those without work are silent, also beyond the patience."""
     two_builds = lambda work, until: two_at_once(machine, "ready; build", "cmake", work, until,

@@ -149,7 +149,7 @@ commit() {
 build() {
     local source id working=$repo/build/working
     source=$("${way}_source")
-    id="$way $("${way}_version") $source $(packages_id)"
+    id="$repo $way $("${way}_version") $source $(packages_id)"
     [ -w "$repo" ] || { say "$repo is not writable: using its last build" && return; }
     lock "$repo" "waiting for another build in $repo …" "$working"
     rm -f "$working" # of an interrupted build
