@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import rcr
 from rcr import particle
-from scenes import (build, calls, insert, kinetic, material, set_state, solver, steps, velocity,
-                    walls)
+from scenes import (build, calls, insert, kinetic, material, open_box, set_state, solver, steps,
+                    velocity, walls)
 from yade import O
 
 R = 0.01
@@ -226,6 +226,18 @@ def test_the_last_pass_of_a_step_is_separated_too():
           tolerance=1e-4, maxIterations=300)
     steps(2)
     assert solver().deepestOverlap < 5e-3
+
+
+@pytest.mark.parametrize("columns, height", [(26, 1.0), (10, 0.02)], ids=["dropped", "column"])
+def test_a_bed_of_500_grains_keeps_overlaps_small(columns, height):
+    """Grains fall from 1 m into a box; a column of them collapses on a floor."""
+    rough = material(0.5)
+    grains = [particle((1.5 * R + 2.2 * R * (k % columns), height + 2.2 * R * (k // columns)), R, 0.6,
+                       angle=0.7 * k, material=rough) for k in range(500)]
+    build(*open_box(60 * R, rough)[0 if height == 1.0 else 2 :], *grains, tolerance=1e-4)
+    steps(800)
+    assert solver().deepestOverlap < 5e-3 and solver().yieldedSteps == 0
+    assert solver().missedSteps <= 8
 
 
 def test_two_rods_collide_alike_in_either_order():
