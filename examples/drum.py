@@ -38,7 +38,7 @@ grains = O.bodies.append([particle(place, draw.uniform(0.8, 1) * R, 0.5,
                                    draw.uniform(0, math.pi), rough) for place in free])
 O.engines = [
     ForceResetter(),
-    InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Disc_Aabb()], verletDist=0.1 * R),
+    InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Sphere_Aabb()], verletDist=0.1 * R),
     InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Sphere_Rcr_RcrGeom()],
                     [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
     RotationEngine(ids=ring, rotateAroundZero=True, zeroPoint=(0, 0, 0), rotationAxis=(0, 0, 1),

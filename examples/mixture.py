@@ -35,7 +35,7 @@ for i in range(WIDE):
             O.bodies.append(particle(at, R, 0.7, draw.uniform(0, math.pi), rough))
 O.engines = [
     ForceResetter(),
-    InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Disc_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
+    InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
     InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Sphere_Rcr_RcrGeom(), Ig2_Sphere_Sphere_RcrGeom(),
                      Ig2_Wall_Rcr_RcrGeom(), Ig2_Wall_Sphere_RcrGeom()],
                     [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),

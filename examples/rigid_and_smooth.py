@@ -23,7 +23,7 @@ from rcr import script
 options = script.options(__doc__)
 R = 0.01
 WIDE, HIGH, SECONDS = (3, 5, 0.3) if options.quick else (5, 14, 0.8)
-LAWS = {"rigid": None, "springs, 1e8 Pa": 1e8, "springs, 1e9 Pa": 1e9}  # Young's modulus [Pa]
+LAWS = {"rigid": None, "springs, 1e8 Pa": 1e8, "springs, 1e9 Pa": 1e9}  # young [Pa]
 
 
 def column(young):

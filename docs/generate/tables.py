@@ -84,7 +84,7 @@ def stability():
     rows = measured("d-stability")
     steps = sorted({row["dt"] for row in rows})
     lines = []
-    for law, title in (("cd", "rigid contacts"), ("smooth", "springs, E = 10⁸ Pa")):
+    for law, title in (("cd", "rigid contacts"), ("smooth", "springs, young = 10⁸ Pa")):
         runs = [row for row in rows if row["law"] == law]
         verdicts = lambda dt: [row["verdict"] for row in runs if row["dt"] == dt]
         counts = lambda dt: map(verdicts(dt).count, ("holds", "drifts", "blows up"))

@@ -21,7 +21,7 @@ def _(v):
 
 
 @claim("O2", "P(θ) is isotropic after compaction",
-       "|a_c| below 0.05, or below three standard errors for as many directions drawn at random")
+       "|a_c| below 0.05, or below three standard errors of N random directions, for N contacts")
 def _(v):
     a_c, error = require_finite(v["a_c"], "no isotropic.h5"), v["a_c_error"]
     return a_c <= np.maximum(0.05, 3 * error), a_c, error
