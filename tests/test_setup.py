@@ -111,7 +111,9 @@ class Machine:
                  "XDG_CACHE_HOME": str(self.path / "cache"),
                  "YADE_RCR_ETC": str(self.etc), "LC_ALL": "C.UTF-8", **environment},
             cwd=self.path, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            text=True, start_new_session=True)
+            text=True, start_new_session=True,
+            # a process in the background ignores SIGINT, and so would bash
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
 
     def run(self, code, **environment):
         """(exit code, standard output, standard error)"""

@@ -83,7 +83,7 @@ def test_grains_that_fly_together_are_solved(count, speed):
 
 @pytest.mark.parametrize("rigid, springs, broken", [
     (dict(fastest=1.2), {}, ["speed"]), (dict(force=101.0), {}, ["force"]),
-    (dict(slowest=11.0), {}, ["time"]), (dict(ended=False), {}, ["ended"]),
+    (dict(slowest=11.0), {}, ["step_time"]), (dict(ended=False), {}, ["ended"]),
     (dict(crushed=0.1, stopped=0.14), {}, ["false_alarm"]),
     (dict(crushed=0.1, stopped=0.14, taken_over=0.019), {}, ["false_alarm"]),
     (dict(crushed=0.1, stopped=0.14, taken_over=0.03), {}, []),

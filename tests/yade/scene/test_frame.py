@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 import rcr
+import yade.config
 import yade.utils
 from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
@@ -123,12 +124,14 @@ SPHERES_ONLY = {
     "utils.bodyStressTensors()": "rcr.measure.stress_tensors",
     "export.text('/dev/null')": "rcr.measure.write_table",
     "export.textExt('/dev/null')": "rcr.measure.write_table",
-    "export.VTKExporter('/dev/null')": "rcr.export.vtk", "VTKRecorder()": "rcr.export.VtkSeries",
+    "export.VTKExporter('/dev/null')": "rcr.export.vtk",
     "utils.fabricTensor()": NETWORK + "fabric()", "getStress(1)": NETWORK + "stress()",
     "utils.avgNumInteractions()": NETWORK + "coordination()",
     "utils.getSpheresMass()": NETWORK + "particles['mass']",
     "utils.PWaveTimeStep()": "rcr.critical_time_step", "growParticles(1)": "rcr.particle",
 }  # fmt: skip
+if "VTK" in yade.config.features:
+    SPHERES_ONLY["VTKRecorder()"] = "rcr.export.VtkSeries"
 
 
 def test_functions_for_spheres_only_warn():
