@@ -6,7 +6,8 @@ the long axis [rad], ``half_length`` and ``cap_radius`` (N,) [m]. A disc has the
 
 import numpy as np
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)  # of the integral over x between two kinks
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)  # of the integral over x between two kinks
+ON_OUTLINE = 1e-6  # distance from an outline that counts as rounding, over the length of the grain
 
 
 def areas(grains):
@@ -68,8 +69,7 @@ def _lines(grains):
     Sections are smooth between two kinks. With x = sin t there, they are also smooth at caps.
     """
     x, reach = grains["position"][:, 0], half_extents(grains)[:, 0]
-    kinks = np.concatenate([x - reach, x + reach, *_crossings(grains)])
-    kinks = np.unique(kinks[(kinks >= min(x - reach)) & (kinks <= max(x + reach))])  # no NaN
+    kinks = np.unique(np.concatenate([x - reach, x + reach, _crossings(grains)]))
     middle, half = (kinks[1:] + kinks[:-1]) / 2, np.diff(kinks) / 2
     t = np.pi / 2 * _NODES
     weight = np.pi / 2 * _WEIGHTS * np.cos(t)
@@ -77,15 +77,21 @@ def _lines(grains):
 
 
 def _crossings(grains):
-    """Return abscissas where lines of sides and circles of caps cross or touch; NaN: they do not.
+    """Return abscissas at which outlines of grains cross on the outline of the union.
 
-    They include all points at which outlines cross, and the ends of sides.
+    The ends of sides on the outline of the union are included.
     """
     center, angle = grains["position"] @ [1, 1j], grains["angle"]
-    axis, r = np.exp(1j * angle), grains["cap_radius"]
-    core, side = grains["half_length"] * axis, r * 1j * axis
-    caps, radii = np.concatenate([center - core, center + core]), np.tile(r, 2)
+    axis, a, r = np.exp(1j * angle), grains["half_length"], grains["cap_radius"]
+    caps, radii = np.concatenate([center - a * axis, center + a * axis]), np.tile(r, 2)
+    side = r * 1j * axis
     sides, along = np.concatenate([center - side, center + side]), np.tile(axis, 2)
+
+    def gap(points, k):
+        """Distances of points from the outlines of grains k, < 0 inside, in lengths of the grain."""
+        local = (points - center[k]) / axis[k]
+        return (np.abs(local - np.clip(local.real, -a[k], a[k])) - r[k]) / (a[k] + r[k])
+
     with np.errstate(divide="ignore", invalid="ignore"):
         # line and circle: the foot of the centre on the line, and half the chord
         foot = sides[:, None] + along[:, None] * ((caps - sides[:, None]) / along[:, None]).real
@@ -96,11 +102,14 @@ def _crossings(grains):
         chord = np.sqrt(radii[:, None] ** 2 - np.abs(share * way) ** 2) * 1j * way / np.abs(way)
         middle = caps[:, None] + share * way
         # two lines
-        turned = along / along[:, None]
         reach = ((sides - sides[:, None]) / along[:, None]).imag
-        lines = sides - along * reach / turned.imag
-    return [points.real.ravel() for points in (foot, foot - half, foot + half, middle - chord,
-                                               middle + chord, lines)]
+        lines = sides - along * reach / (along / along[:, None]).imag
+        points = np.stack([foot, foot - half, foot + half, middle - chord, middle + chord, lines])
+        one, two = np.arange(2 * len(r))[:, None] % len(r), np.arange(2 * len(r)) % len(r)
+        apart = np.maximum(np.abs(gap(points, one)), np.abs(gap(points, two)))
+    points = points[apart < ON_OUTLINE]  # not NaN, which marks lines and circles that do not meet
+    outside = gap(points[:, None], np.arange(len(r))).min(axis=1) > -ON_OUTLINE
+    return points[outside].real
 
 
 def _sections(grains, x):
