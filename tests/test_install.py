@@ -80,7 +80,7 @@ def test_headers_of_another_version_are_refused(own_yade):
 @needs_build
 @pytest.mark.skipif(not shutil.which("git"), reason="needs git")
 def test_headers_of_a_checkout_are_taken_with_a_warning(own_yade, tmp_path):
-    """A checkout of YADE, even of a release, has no file with its version."""
+    """A checkout may have no file with its version."""
     (tmp_path / "RELEASE").unlink()
     author = "-c", "user.name=A", "-c", "user.email=a@b"
     for command in ["init"], [*author, "commit", "--allow-empty", "-m", "first"]:

@@ -90,6 +90,12 @@ class Machine:
         subprocess.run(["tar", "-cjf", tar, "-C", self.path, "trunk"], check=True)
         self.command("apt-get", f'case "$*" in *" source "*) cp {tar} . ;; esac')
 
+    def headers(self):
+        """A folder with the sources of a YADE."""
+        (self.path / "core").mkdir()
+        (self.path / "core" / "Scene.hpp").touch()
+        return str(self.path)
+
     def root_tools(self, mmdebstrap=SMALL_ROOT):
         """The tools for a root file system, with `mmdebstrap` as the shell code of that command."""
         for name, body in (("mmdebstrap", mmdebstrap), ("bwrap", "exit 0"), ("newuidmap", "exit 0"),
@@ -300,10 +306,9 @@ def test_the_installed_version_of_yade_is_used(machine, version):
 
 def test_headers_that_the_user_names_are_used(machine):
     machine.installed("2023.02a-1")
-    (machine.path / "core").mkdir()
-    (machine.path / "core" / "Scene.hpp").touch()
-    machine.succeeds("ready; echo $way; native_source", f"native\n{machine.path}\n",
-                     YADE_SOURCE_DIR=str(machine.path))
+    headers = machine.headers()
+    machine.succeeds("ready; echo $way; native_source", f"native\n{headers}\n",
+                     YADE_SOURCE_DIR=headers)
     assert not machine.called("apt-get")
     assert "none has no core/Scene.hpp" in machine.refuses(YADE_SOURCE_DIR=f"{machine.path}/none")
 
@@ -312,10 +317,8 @@ def test_headers_that_the_user_names_replace_a_root_file_system(machine):
     machine.root_tools()
     machine.assert_sets_up("rootfs")
     machine.installed("2023.02a-1")
-    (machine.path / "core").mkdir()
-    (machine.path / "core" / "Scene.hpp").touch()
     machine.succeeds("ready; echo $way", "rootfs\n")
-    machine.succeeds("ready; echo $way", "native\n", YADE_SOURCE_DIR=str(machine.path))
+    machine.succeeds("ready; echo $way", "native\n", YADE_SOURCE_DIR=machine.headers())
 
 
 def test_without_headers_no_package_is_installed(machine):
