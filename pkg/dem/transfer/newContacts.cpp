@@ -1,7 +1,5 @@
 #include "dem/transfer/newContacts.hpp"
 
-#include "kernel/detection/late_contacts.hpp"
-
 namespace yade {
 
 void setCoefficients(Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2,
@@ -37,7 +35,7 @@ bool allowsContact(Scene& scene, const validation::Engines& engines, Body::id_t 
 	        && validation::isFrictional(two.material.get());
 }
 
-static rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)
+rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)
 {
 	return [&](int id1, int id2) { return allowsContact(scene, engines, id1, id2); };
 }

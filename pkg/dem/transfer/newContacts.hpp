@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dem/transfer/gather.hpp"
+#include "kernel/detection/late_contacts.hpp"
 
 namespace yade {
 
@@ -12,6 +13,9 @@ void setCoefficients(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t 
 /// Returns true if the collider and the functors of the scene allow a contact of the two bodies.
 /// Throws if no Ig2 functor handles bodies that could overlap.
 bool allowsContact(Scene&, const validation::Engines&, Body::id_t id1, Body::id_t id2);
+
+/// allowsContact as a function of two bodies.
+rcr::ContactFilter contactFilter(Scene&, const validation::Engines&);
 
 /// Detects contacts of bodies that may lack contacts and adds them to the step. So the contacts do
 /// not depend on the last run of the collider. After a change of PairExclusions, restarts the

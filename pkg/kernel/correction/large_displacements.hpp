@@ -29,17 +29,22 @@ namespace rcr {
 /// tangent plane is half the slop; ρ = R₁' + R₂' is the sum of the cap radii.
 constexpr double largeDisplacement = 0.01;
 
+/// Sum ρ of the cap radii of two bodies [m]; that of an obstacle is 0.
+inline double capRadii(const Step& step, const StepContact& c)
+{
+	const auto cap = [&](const PlanarShape& s) { return s.grain() ? s.halfWidth : 0; };
+	return cap(step.bodies[c.body1].shape) + cap(step.bodies[c.body2].shape);
+}
+
 /// Returns true if the contact has a large displacement at these velocities of its bodies.
 inline bool hasLargeDisplacement(
         const Step& step, const StepContact& c, const PlanarVector& v1, const PlanarVector& v2)
 {
-	const StepBody &one = step.bodies[c.body1], &two = step.bodies[c.body2];
-	const auto      cap = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };
-	const double    path
+	const double path
 	        = step.dt * norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y })
 	        + step.pathOf(c.body1, { 0, 0, v1.rotation })
 	        + step.pathOf(c.body2, { 0, 0, v2.rotation });
-	return path * path > largeDisplacement * largeDisplacement * c.size * (cap(one) + cap(two));
+	return path * path > largeDisplacement * largeDisplacement * c.size * capRadii(step, c);
 }
 
 /// At the solved velocities.

@@ -14,7 +14,8 @@ namespace {
 
 	class Separation {
 	public:
-		explicit Separation(Step& step) : step_(step), queued_(step.contacts.size())
+		Separation(Step& step, const ContactFilter& allowsContact)
+		        : step_(step), allowsContact_(allowsContact), queued_(step.contacts.size())
 		{
 		}
 
@@ -36,31 +37,65 @@ namespace {
 			}
 			if (queue_.empty() || !displace) return deepest;
 			if (step_.displacement.empty()) step_.displacement.resize(step_.bodies.size());
-			indexContacts();
-			std::vector<int> sweep;
-			for (int count = 0; count < mostSweeps && !queue_.empty(); ++count) {
-				sweep.clear();
-				sweep.swap(queue_);
-				std::sort(sweep.begin(), sweep.end());
-				for (int k : sweep)
-					queued_[k] = false;
-				for (int k : sweep)
-					separate(k);
+			for (int sweeps = mostSweeps; sweeps > 0 && !queue_.empty(); addReached()) {
+				indexContacts();
+				for (; sweeps > 0 && !queue_.empty(); --sweeps)
+					sweep();
 			}
-			deepest = 0;
-			for (std::size_t k = 0; k < touched_.size(); ++k) {
-				const StepContact& c = step_.contacts[k];
-				if (isPrescribed(c) || !(touched_[k] || hasLargeDisplacement(step_, c))) continue;
+			return deepestExcess();
+		}
+
+	private:
+		Step&                         step_;
+		const ContactFilter&          allowsContact_;
+		std::vector<StepContact>      reached_; // contacts that the step lacks
+		std::vector<bool>             queued_, touched_;
+		std::vector<int>              queue_;
+		std::vector<std::vector<int>> contactsOf_; // per body, or per clump
+
+		/// Number of the contacts of the step and of reached ones, which follow.
+		std::size_t count() const { return step_.contacts.size() + reached_.size(); }
+
+		const StepContact& contact(std::size_t k) const
+		{
+			const std::size_t listed = step_.contacts.size();
+			return k < listed ? step_.contacts[k] : reached_[k - listed];
+		}
+
+		/// Adds the contacts that displaced bodies reach, and enqueues those with an overlap.
+		void addReached()
+		{
+			reached_ = contactsOfDisplaced(step_, allowsContact_);
+			queued_.resize(count());
+			for (std::size_t k = step_.contacts.size(); k < count(); ++k)
+				if (!isPrescribed(contact(k)) && excess(contact(k)) > 0) enqueue(int(k));
+		}
+
+		void sweep()
+		{
+			std::vector<int> sweep;
+			sweep.swap(queue_);
+			std::sort(sweep.begin(), sweep.end());
+			for (int k : sweep)
+				queued_[k] = false;
+			for (int k : sweep)
+				separate(k);
+		}
+
+		/// Deepest overlap that is left, over R₁ + R₂ [-].
+		double deepestExcess() const
+		{
+			double deepest = 0;
+			for (std::size_t k = 0; k < count(); ++k) {
+				const StepContact& c      = contact(k);
+				const bool         listed = k < step_.contacts.size();
+				if (isPrescribed(c)) continue;
+				if (listed && !touched_[k] && !hasLargeDisplacement(step_, c)) continue;
 				deepest = std::max(deepest, excess(c));
 			}
 			return deepest;
 		}
 
-	private:
-		Step&                         step_;
-		std::vector<bool>             queued_, touched_;
-		std::vector<int>              queue_;
-		std::vector<std::vector<int>> contactsOf_; // per body, or per clump
 
 		void enqueue(int k)
 		{
@@ -70,10 +105,10 @@ namespace {
 
 		void indexContacts()
 		{
-			touched_.resize(step_.contacts.size());
-			contactsOf_.resize(step_.bodies.size());
-			for (std::size_t k = 0; k < step_.contacts.size(); ++k) {
-				const StepContact& c = step_.contacts[k];
+			touched_.resize(count());
+			contactsOf_.assign(step_.bodies.size(), {});
+			for (std::size_t k = 0; k < count(); ++k) {
+				const StepContact& c = contact(k);
 				contactsOf_[step_.bodies[c.body1].owner].push_back(int(k));
 				contactsOf_[step_.bodies[c.body2].owner].push_back(int(k));
 			}
@@ -103,16 +138,22 @@ namespace {
 			return false;
 		}
 
-		PlanarVector displacement(int id) const
-		{
-			return step_.displacement.empty() ? PlanarVector {} : step_.displacement[id];
-		}
-
+		/// Contact points at the end. If displacements have pushed one body through the other, the
+		/// normals are those before, and the overlaps lead back to the side before.
 		Manifold pointsAtEnd(const StepContact& c) const
 		{
-			return pointsAfter(step_, c, step_.dt, [&](int id) {
-				return step_.problem.velocity[id] + displacement(id) / step_.dt;
-			});
+			Manifold at = pointsAfter(
+			        step_, c, step_.dt, [&](int id) { return step_.velocityToEnd(id); });
+			if (at.count == 0 || step_.displacement.empty()) return at;
+			const Manifold before = solvedPointsAfter(step_, c, step_.dt);
+			if (before.count == 0 || dot(before.points[0].normal, at.points[0].normal) >= 0)
+				return at;
+			const double radii = capRadii(step_, c);
+			for (ManifoldPoint& point : at.points) {
+				point.normal = -point.normal;
+				point.gap    = -radii - std::abs(point.gap + radii);
+			}
+			return at;
 		}
 
 		/// Overlap that the contact may have at the end of the step [m].
@@ -126,7 +167,7 @@ namespace {
 
 		void separate(int number)
 		{
-			const StepContact& c   = step_.contacts[number];
+			const StepContact& c   = contact(number);
 			const Manifold     at  = pointsAtEnd(c);
 			const int          id1 = step_.bodies[c.body1].owner, id2 = step_.bodies[c.body2].owner;
 			const InverseMass &m1 = step_.problem.inverseMass[id1],
@@ -139,9 +180,8 @@ namespace {
 				ContactPoint point;
 				point.normal = at.points[k].normal;
 				const auto center = [&](int id) {
-					const PlanarVector &v = step_.problem.velocity[id], &d = step_.displacement[id];
-					return step_.bodies[id].center
-					        + Vec2 { step_.dt * v.x + d.x, step_.dt * v.y + d.y };
+					const PlanarVector v = step_.velocityToEnd(id);
+					return step_.bodies[id].center + step_.dt * Vec2 { v.x, v.y };
 				};
 				point.arm1 = at.points[k].position - center(id1);
 				point.arm2 = at.points[k].position - (center(id2) + c.shift + step_.dt * c.drift);
@@ -166,6 +206,9 @@ namespace {
 
 } // namespace
 
-double separate(Step& step, bool displace) { return Separation(step).run(displace); }
+double separate(Step& step, bool displace, const ContactFilter& allowsContact)
+{
+	return Separation(step, allowsContact).run(displace);
+}
 
 } // namespace rcr

@@ -11,17 +11,17 @@
 // α = 1/2 for large displacements, else 1. Overlaps below 10 slops start no displacement. Nonlinear
 // Gauss–Seidel solves this in the metric of the masses, in at most 200 sweeps. Gaps are detected at
 // the displaced positions. A contact counts as solved within one slop. Other contacts of such a
-// step join if they end with overlaps above 10 slops. Source: position solver of Box2D (Catto
-// 2011); Cline and Pai 2003 (post-stabilization).
+// step join if they end with overlaps above 10 slops. Contacts that displaced bodies reach join as
+// well. Source: position solver of Box2D (Catto 2011); Cline and Pai 2003 (post-stabilization).
 #pragma once
 
-#include "step/step.hpp"
+#include "detection/late_contacts.hpp"
 
 namespace rcr {
 
 /// Adds δ to step.displacement if `displace` is true. Returns the deepest overlap at the end that
 /// exceeds 10 slops and the bound above, over R₁ + R₂ [-]. Returns 1, without displacements, if a
 /// body has passed through another one. Overlaps of two prescribed bodies do not count.
-double separate(Step&, bool displace);
+double separate(Step&, bool displace, const ContactFilter&);
 
 } // namespace rcr

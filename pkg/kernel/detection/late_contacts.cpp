@@ -109,7 +109,7 @@ namespace {
 		for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 			const StepBody& b = step.bodies[id];
 			if (b.shape.kind == PlanarShape::none) continue;
-			const double path = step.pathOf(int(id), step.problem.velocity[id]);
+			const double path = step.pathOf(int(id), step.velocityToEnd(int(id)));
 			const bool   longer = path > b.coveredPath && path > step.widenedReach[id];
 			if (longer) step.widenedReach[id] = detectionReach(step, id) + wideningFactor * path;
 			if (longer || images) widened.push_back(std::int32_t(id));
@@ -278,19 +278,33 @@ bool findUnlistedContacts(
 	return !step.lateContacts.empty();
 }
 
-bool findLateContacts(Step& step, const ContactFilter& allowsContact)
+/// Collects in step.lateContacts the contacts of bodies whose paths exceed their reach.
+static void collectLateContacts(Step& step, const ContactFilter& allowsContact)
 {
 	const std::vector<std::int32_t> widened = widenReach(step);
-	if (!widened.empty()) {
-		const Candidates candidates(step, widened);
-		for (int id : widened)
-			candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact); });
-		keepLastOfEach(step.lateContacts);
-		step.widened.insert(step.widened.end(), widened.begin(), widened.end());
-	}
+	if (widened.empty()) return;
+	const Candidates candidates(step, widened);
+	for (int id : widened)
+		candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact); });
+	keepLastOfEach(step.lateContacts);
+	step.widened.insert(step.widened.end(), widened.begin(), widened.end());
+}
+
+bool findLateContacts(Step& step, const ContactFilter& allowsContact)
+{
+	collectLateContacts(step, allowsContact);
 	// late contacts found after earlier solves may close at the present velocities
 	return std::any_of(step.lateContacts.begin(), step.lateContacts.end(),
 	        [&](const LateContact& late) { return closes(step, late); });
+}
+
+std::vector<StepContact> contactsOfDisplaced(Step& step, const ContactFilter& allowsContact)
+{
+	collectLateContacts(step, allowsContact);
+	std::vector<StepContact> contacts;
+	for (const LateContact& late : step.lateContacts)
+		if (!late.known) contacts.push_back(newContact(step, late));
+	return contacts;
 }
 
 void addLateContacts(Step& step)

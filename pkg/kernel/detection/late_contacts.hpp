@@ -58,6 +58,10 @@ bool findLateContacts(Step&, const ContactFilter&);
 /// Such bodies may meet at two images, and only the contact of the nearest images is detected.
 bool spansHalfCell(const Step&);
 
+/// Contacts without points that the step lacks, of bodies that path and displacement move beyond
+/// their reach. A displacement is that of the position correction.
+std::vector<StepContact> contactsOfDisplaced(Step&, const ContactFilter&);
+
 /// Adds step.lateContacts to the contacts, points and forces of the step, and moves it to
 /// step.added. Requires friction and restitution of new contacts.
 void addLateContacts(Step&);

@@ -235,6 +235,15 @@ struct Step {
 		return dt * (maxSpeed(v, body.radius) + arm * spin * std::min(dt * spin, 2.0));
 	}
 
+	/// Velocity that leads to the displaced position at the end of the step.
+	PlanarVector velocityToEnd(int id) const
+	{
+		if (displacement.empty()) return problem.velocity[id];
+		const int          owner = bodies[id].owner;
+		const PlanarVector v     = problem.velocity[owner] + displacement[owner] / dt;
+		return owner == id ? v : memberVelocity(bodies[id], bodies[owner].center, v);
+	}
+
 	/// Sets the velocities of clump members after a solve.
 	void setMemberVelocities()
 	{

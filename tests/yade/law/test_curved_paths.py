@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import rcr
 from rcr import particle
-from scenes import (build, calls, insert, kinetic, material, open_box, set_state, solver, steps,
-                    velocity, walls)
-from yade import O
+from scenes import (build, calls, gaps, insert, kinetic, material, open_box, set_state, solver,
+                    steps, velocity, walls)
+from yade import O, utils
 
 R = 0.01
 
@@ -127,6 +127,41 @@ def test_random_collisions_keep_momentum_and_gain_no_energy():
     assert error.max() < 1e-10, f"seed {error.argmax()}"
     assert gain.max() < 1e-10, f"seed {gain.argmax()}"
     assert overlap.max() < 5e-3, f"seed {overlap.argmax()}"
+
+
+def lowest_point(body, R, eta):
+    """Height of the lowest point of a rounded-cap rectangle [m]."""
+    angle = 2 * math.atan2(body.state.ori[2], body.state.ori[3])
+    return body.state.pos[1] - R * (1 - eta + eta * abs(math.sin(angle)))
+
+
+def press(seed):
+    """Deepest overlap over R with a facet at y = 0, after a step that starts without overlaps.
+
+    A rod turns by up to 2 rad in the step and rolls over a grain near the facet.
+    """
+    rng, R, dt = np.random.default_rng(seed), 0.1, 5e-3
+    grain, eta, rod = material(rng.choice([0, 0.5])), rng.choice([0, 0.3, 0.9]), 0.7
+    gap = rng.uniform(0, 0.2) * R
+    height = 2 * (R * (1 - eta) + gap) + R * rng.uniform(0.1, 1.2)
+    pressed = particle((0, R * (1 - eta) + gap), R=R, eta=eta, material=grain)
+    turning = particle((rng.uniform(-R, R), height), R=R, eta=rod, material=grain,
+                       angle=rng.uniform(0, math.pi),
+                       velocity=tuple(rng.uniform((-1, -1), (1, 0)) * R / dt),
+                       angular_velocity=rng.choice([-1, 1]) * rng.uniform(0.5, 2) / dt)
+    floor = utils.facet([(-3, 0, -1), (3, 0, -1), (0, 0, 1)], material=grain)
+    build(floor, pressed, turning, dt=dt, gravity=(0, 0, 0), tolerance=1e-4)
+    O.step()
+    if min(gaps(), default=0) < 0 or solver().missedSteps:
+        return 0
+    return -min(lowest_point(pressed, R, eta), lowest_point(turning, R, rod)) / R
+
+
+@pytest.mark.filterwarnings("ignore:rcr. bodies .* overlap")
+def test_position_corrections_push_no_body_into_another():
+    """Neither into a body that the step had no contact with, nor through a thin one."""
+    overlaps = [press(seed) for seed in range(2000)]
+    assert max(overlaps) < 0.01, f"seed {np.argmax(overlaps)}"
 
 
 @pytest.mark.parametrize("place", ["fixed", "resting"])
