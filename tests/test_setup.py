@@ -356,6 +356,12 @@ def test_a_root_file_system_is_complete_or_not_there(machine):
     shutil.rmtree(machine.roots()[0])  # belongs to the user, so this is all it takes
 
 
+def test_mmdebstrap_inherits_no_open_files(machine):
+    """It passes numbers of files to a shell that knows only numbers up to 9."""
+    machine.bare(f"for n in 3 4 5 6 7 8 9; do [ ! -e /proc/$$/fd/$n ] || exit 1; done {SMALL_ROOT}")
+    machine.assert_sets_up("rootfs")
+
+
 def test_a_changed_package_list_makes_another_root(machine):
     machine.bare()
     machine.succeeds("ready")

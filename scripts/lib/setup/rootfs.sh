@@ -152,12 +152,23 @@ rootfs_fill() {
     local sources
     IFS=';' read -ra sources <<<"$1"
     if [ "$(id -u)" = 0 ]; then
-        "${bootstrap[@]}" "$release" "$new/tree" "${sources[@]}" 2>&1 | record
+        rootfs_bootstrap_into "$new/tree" 2>&1 | record
     else
-        { TMPDIR=/var/tmp "${bootstrap[@]}" "$release" - "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
+        { TMPDIR=/var/tmp rootfs_bootstrap_into - 2>&1 >&3 | record; } 3>&1 |
             tar -x -C "$new/tree" --exclude='./dev/*' 2>>"$log"
     fi
 }
+
+# rootfs_bootstrap_into TARGET: runs `bootstrap` without open files. mmdebstrap gives numbers of files
+# to a shell that knows only numbers up to 9.
+rootfs_bootstrap_into() (
+    local file
+    for file in /proc/self/fd/*; do
+        file=${file##*/}
+        [ "$file" -le 2 ] || exec {file}>&-
+    done
+    exec "${bootstrap[@]}" "$release" "$1" "${sources[@]}"
+)
 
 # rootfs_finish: removes directories that the machine's replace, makes targets for bound files
 rootfs_finish() {
