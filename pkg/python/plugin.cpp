@@ -65,7 +65,7 @@ py::list advice(const py::object& unionArea)
 	py::list warnings;
 	using namespace yade::validation;
 	for (const std::string& text : { massWarning(scene(), area), overlapWarning(scene()),
-	             dragWarning(scene()), turningWarning(scene()) })
+	             sphereEngineWarning(scene()), turningWarning(scene()) })
 		if (!text.empty()) warnings.append(text);
 	return warnings;
 }

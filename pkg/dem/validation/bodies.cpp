@@ -124,10 +124,21 @@ std::string invalidBodies(const SceneQuery& v)
 	return {};
 }
 
-std::string dragWarning(const Scene& scene)
+static bool isFreeRcr(const Body& b)
+{
+	return dynamic_cast<const Rcr*>(b.shape.get()) && b.isStandalone() && b.isDynamic();
+}
+
+std::string sphereEngineWarning(const Scene& scene)
 {
 	for (const auto& engine : scene.engines) {
 		const std::string name = engine->getClassName();
+		if (name == "DomainLimiter")
+			for (const auto& b : *scene.bodies)
+				if (b && isFreeRcr(*b))
+					return name + " never deletes " + bodyNames({ b->getId() })
+					        + ", which is no Sphere; delete it by a PyRunner: "
+					          "O.bodies.erase(id).";
 		if (name != "DragEngine" && name != "LinearDragEngine" && name != "HydroForceEngine")
 			continue;
 		for (const Body::id_t id : static_cast<const PartialEngine&>(*engine).ids)

@@ -60,11 +60,11 @@ std::string missingSolver(const Scene&);
 using UnionArea = std::function<double(const std::vector<Body::id_t>&)>;
 
 /// Warnings for suspicious scenes; empty: none. Free bodies whose mass is not that of their area;
-/// bodies that overlap by more than 1 % of R₁ + R₂ before their first step; a drag on Rcrs, which
-/// YADE's engines omit; obstacles under springs that turn without being seen by YADE's collider.
+/// bodies that overlap by more than 1 % of R₁ + R₂ before their first step; engines of YADE that
+/// omit Rcrs; obstacles under springs that turn without being seen by YADE's collider.
 std::string massWarning(const Scene&, const UnionArea&);
 std::string overlapWarning(const Scene&);
-std::string dragWarning(const Scene&);
+std::string sphereEngineWarning(const Scene&);
 std::string turningWarning(const Scene&);
 
 /// Identity of a scene's engines and functors. The pointers are weak, since a new engine may have

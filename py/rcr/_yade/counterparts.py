@@ -9,7 +9,7 @@ from yade import export, utils
 from yade.wrapper import Omega, Rcr, Sphere
 
 COUNTERPARTS = {  # function of rcr: functions of yade.utils and yade.export, and classes
-    "rcr.particle (new grains)": ["growParticles"],
+    "rcr.particle (new grains)": ["growParticle", "growParticles"],
     "rcr.measure.porosity": ["porosity", "voxelPorosity", "voidratio2D"],
     "rcr.measure.areas": ["getSpheresVolume", "getSpheresVolume2D", "psd"],
     "rcr.measure.extent": ["aabbExtrema", "aabbDim"],

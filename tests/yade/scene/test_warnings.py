@@ -11,7 +11,8 @@ from scenes import (KN, LAWS, build, gaps, grain_on_floor, insert, material, ref
                     set_state, snapshot, solver, springs, springy, stadium, steps)
 from yade import O, utils
 from yade import wrapper as w
-from yade.wrapper import DragEngine, GlobalStiffnessTimeStepper, LinearDragEngine, PyRunner
+from yade.wrapper import (DomainLimiter, DragEngine, GlobalStiffnessTimeStepper, LinearDragEngine,
+                          PyRunner)
 
 
 def add(center, **options):
@@ -155,6 +156,16 @@ def test_a_drag_that_omits_a_grain_warns(engine):
         insert(1, engine(ids=ids))
         told = [warning.split(";")[0] for warning in advised()]
         assert told == [f"rcr: {engine.__name__} exerts no force on {end}" for end in says]
+
+
+def test_a_domain_limiter_that_keeps_rods_warns():
+    resting()
+    O.engines = [*O.engines, DomainLimiter(lo=(-9, -9, -9), hi=(9, 9, 9))]
+    assert advised() == ["rcr: DomainLimiter never deletes body #1, which is no Sphere; delete it by "
+                         "a PyRunner: O.bodies.erase(id)."]
+    O.bodies.erase(1)
+    O.bodies.append(rcr.disc((5, 0.1), 0.1))
+    assert advised() == []
 
 
 def test_a_scene_without_overlaps_is_not_warned_of():
