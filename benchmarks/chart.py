@@ -7,6 +7,8 @@ c  biaxial test: errors of its observables against time for 20 % of strain
 d  hard scenes: hold, drift or blow up, over dt and law
 e  biaxial test: changes of the observables by rate, time step and solver; takes hours, not in the
    default
+f  a column that collapses: time, sweeps and memory over the number of grains, up to 10^6; takes an
+   hour and 20 GB of memory, not in the default
 
 A CSV has one row a point, with the command that repeats it. Points that it has for the same
 settings are not run again, so an interrupted call resumes. A larger --limit repeats points that ran
@@ -38,7 +40,7 @@ def arguments():
     add("--out", type=script.folder, required=True, metavar="DIR",
         help="folder of the charts, made if missing")
     add("--charts", nargs="+", choices=list(charts.NAMES), default=list("abcd"), metavar="C",
-        help="some of a b c d e (default: a b c d; e needs --limit 3600)")
+        help="some of a b c d e f (default: a b c d; e and f need --limit 3600)")
     add("--quick", action="store_true",
         help="smaller packings, fewer points: up to ten minutes on two cores")
     add("--only", metavar="POINT",

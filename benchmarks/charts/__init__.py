@@ -20,7 +20,8 @@ from rcr._data import files, results
 from rcr.study.protocol import PROTOCOL
 
 GIVEN_UP = "given up after "  # status of a point that reached its time limit; seconds follow
-NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability", e="quasi_static")
+NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability", e="quasi_static",
+             f="size")
 
 
 @dataclasses.dataclass(frozen=True)

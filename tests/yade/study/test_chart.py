@@ -9,7 +9,7 @@ import forked
 import numpy as np
 import pytest
 from benchmarks import chart, charts
-from benchmarks.charts import biaxial_cost, deterministic, one_step, quasi_static
+from benchmarks.charts import biaxial_cost, deterministic, one_step, quasi_static, size
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
 from common import answer, refused
@@ -72,6 +72,19 @@ def test_a_point_of_one_step_runs(tmp_path):
                                                               peers=str(tmp_path)))
     assert {row["library"] for row in rows} == {"Other 1"}
     assert sorted({row["iterations"] for row in rows}) == [10, 40, 160]
+
+
+def test_cost_over_the_number_of_grains():
+    rows = [dict(row, status="ok") for name in size.points(OPTIONS)
+            for row in size.run(name, OPTIONS)]
+    for row in rows:
+        assert 1.5 < row["points"] / row["particles"] < 3, "deposited discs touch two others each"
+        assert row["seconds"] > 0 and row["sweeps"] > 1
+    header, *lines = size.ratios(rows)
+    assert [line[:2] for line in lines] == [["auto", "100"], ["auto", "1000"], ["nlgs", "100"],
+                                            ["nlgs", "1000"]]
+    assert all(len(line) == len(header) for line in lines)
+    assert len(size.plot(rows, OPTIONS).axes) == 3
 
 
 def error(name):
