@@ -8,8 +8,6 @@
 
 namespace rcr {
 
-constexpr int sweepsPerReference = 400; // a new reference takes as long as four sweeps
-
 // ---- points of the overflow
 
 template <class Real>
@@ -92,50 +90,52 @@ void PackedIsland::recomputeVelocities()
 	state_.velocityRecomputed = true;
 }
 
+/// A sweep without momentum: kernel(view, kernels, chunk) for all chunks, and next(c, solution) as
+/// the new impulse of each point of the overflow.
+template <class Kernel, class Next> void PackedIsland::sweepPlainly(Kernel kernel, Next next)
+{
+	const auto sweepIn = [&](const auto& view, const auto& kernels) {
+		forEachChunk([&](const Chunk& chunk, int) { kernel(view, kernels, chunk); });
+		forEachOverflowPoint([&](OverflowPoint& c) {
+			const LocalVector p = next(c, solve(view, c, c.p));
+			applyImpulse(view, c, p - c.p);
+			c.p = p;
+		});
+	};
+	beginSweep();
+	if (mixedPrecision_) sweepIn(singleView_, *packed_.singleKernels_);
+	else
+		sweepIn(view_, *packed_.kernels_);
+}
+
 void PackedIsland::sweep()
 {
-	invalidate();
-	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweep(view_, chunk); });
-	forEachOverflowPoint([&](OverflowPoint& c) {
-		const LocalVector next = solve(view_, c, c.p);
-		applyImpulse(view_, c, next - c.p);
-		c.p = next;
-	});
+	sweepPlainly([](const auto& view, const auto& kernels,
+	                     const Chunk& chunk) { kernels.sweep(view, chunk); },
+	        [](const OverflowPoint&, const LocalVector& solution) { return solution; });
 }
 
 void PackedIsland::sweepRelaxed(double relaxation)
 {
-	invalidate();
-	forEachChunk([&](const Chunk& chunk, int) {
-		packed_.kernels_->sweepRelaxed(view_, chunk, relaxation);
-	});
-	forEachOverflowPoint([&](OverflowPoint& c) {
-		const LocalVector step = relaxation * (solve(view_, c, c.p) - c.p);
-		const LocalVector next = projectCone(c.p + step, c.friction);
-		applyImpulse(view_, c, next - c.p);
-		c.p = next;
-	});
+	sweepPlainly([=](const auto& view, const auto& kernels,
+	                     const Chunk& chunk) { kernels.sweepRelaxed(view, chunk, relaxation); },
+	        [=](const OverflowPoint& c, const LocalVector& solution) {
+		        return projectCone(c.p + relaxation * (solution - c.p), c.friction);
+	        });
 }
 
 double PackedIsland::sweepMomentum(double momentum, const Yielding& yielding)
 {
-	if (!mixedPrecision_) {
-		if (sweepsSinceReference_ > 0) resetMomentum();
-		invalidate();
-		return sweepMomentum<double>(view_, *packed_.kernels_, momentum, yielding);
-	}
-	if (sweepsSinceReference_ == sweepsPerReference) {
-		copyToDoubles();
-		updateReference();
-	}
-	++sweepsSinceReference_;
-	return sweepMomentum<float>(singleView_, *packed_.singleKernels_, momentum, yielding);
+	beginSweep();
+	return mixedPrecision_ ? sweepMomentum<float>(
+	                                 singleView_, *packed_.singleKernels_, momentum, yielding)
+	                       : sweepMomentum<double>(view_, *packed_.kernels_, momentum, yielding);
 }
 
 /// Each partition extrapolates the velocities of its bodies, v_old ← v + β (v − v_old), and sweeps
 /// with these. v and v_old change places.
 template <class Real>
-double PackedIsland::sweepMomentum(View<Real>& view, const MomentumKernels<Real>& kernels,
+double PackedIsland::sweepMomentum(View<Real>& view, const SweepKernels<Real>& kernels,
         double momentum, const Yielding& yielding)
 {
 	const View<Real> before      = view;
@@ -183,7 +183,7 @@ Measures PackedIsland::measure()
 
 template <class Real>
 Measures PackedIsland::measure(
-        const View<Real>& view, const MomentumKernels<Real>& kernels, const ColumnOf<Real>* bias)
+        const View<Real>& view, const SweepKernels<Real>& kernels, const ColumnOf<Real>* bias)
 {
 	forEachChunk([&](const Chunk& chunk, int k) {
 		packed_.partial_[k] = kernels.measure(view, chunk, bias);

@@ -32,7 +32,7 @@ public:
 	void   sweepRelaxed(double relaxation);
 	double sweepMomentum(double momentum, const Yielding& = {});
 
-	/// Makes `sweepMomentum` and `measure` use floats. Does nothing if the island is small, or if
+	/// Makes sweeps and `measure` use floats. Does nothing if the island is small, or if
 	/// its numbers or their squares leave the range of floats.
 	void beginMixedPrecision();
 	/// Returns to doubles: copies the impulses and recomputes the velocities from them.
@@ -60,9 +60,9 @@ private:
 
 	template <class Real>
 	double sweepMomentum(
-	        View<Real>&, const MomentumKernels<Real>&, double momentum, const Yielding&);
+	        View<Real>&, const SweepKernels<Real>&, double momentum, const Yielding&);
 	template <class Real>
-	Measures measure(const View<Real>&, const MomentumKernels<Real>&, const ColumnOf<Real>* bias);
+	Measures measure(const View<Real>&, const SweepKernels<Real>&, const ColumnOf<Real>* bias);
 	template <class Real>
 	LocalVector relativeVelocity(const View<Real>&, const OverflowPoint&) const;
 	template <class Real>
@@ -81,6 +81,8 @@ private:
 		return island_.cell
 		        && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0);
 	}
+	template <class Kernel, class Next> void sweepPlainly(Kernel, Next);
+	void beginSweep(); // updates the reference of floats
 	void copyToDoubles();
 	void updateReference();
 	void resetMomentum();

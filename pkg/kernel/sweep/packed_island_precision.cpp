@@ -5,6 +5,8 @@ namespace rcr {
 
 namespace {
 
+	constexpr int sweepsPerReference = 400; // a new reference takes as long as four sweeps
+
 	/// Rounds to floats; `unlimited` of doubles becomes that of floats.
 	void round(const Column& from, ColumnOf<float>& to)
 	{
@@ -131,6 +133,20 @@ void PackedIsland::updateReference()
 		}
 	});
 	sweepsSinceReference_ = 0;
+}
+
+void PackedIsland::beginSweep()
+{
+	if (!mixedPrecision_) {
+		if (sweepsSinceReference_ > 0) resetMomentum();
+		invalidate();
+		return;
+	}
+	if (sweepsSinceReference_ == sweepsPerReference) {
+		copyToDoubles();
+		updateReference();
+	}
+	++sweepsSinceReference_;
 }
 
 void PackedIsland::endMixedPrecision()

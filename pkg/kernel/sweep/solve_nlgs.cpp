@@ -4,20 +4,28 @@
 
 namespace rcr {
 
+template <class Sweep>
+static Report solvePlainly(
+        ContactProblem& problem, const Settings& settings, Workspace& workspace, Sweep sweep)
+{
+	return solveBySweeps(problem, settings, workspace, [&](PackedIsland& island, IslandStop& stop) {
+		island.beginMixedPrecision();
+		while (!stop.mustStop())
+			sweep(island);
+		island.endMixedPrecision();
+	});
+}
+
 Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {
-		while (!stop.mustStop())
-			island.sweep();
-	});
+	return solvePlainly(
+	        problem, settings, workspace, [](PackedIsland& island) { island.sweep(); });
 }
 
 Report solveSor(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {
-		while (!stop.mustStop())
-			island.sweepRelaxed(relaxation);
-	});
+	return solvePlainly(problem, settings, workspace,
+	        [](PackedIsland& island) { island.sweepRelaxed(relaxation); });
 }
 
 } // namespace rcr

@@ -6,7 +6,7 @@ namespace rcr {
 // packed_kernels.cpp, compiled once per width, for doubles and for floats
 #define RCR_COMPILED(doubles, floats)                                                              \
 	namespace doubles { extern const PackedKernels kernels; }                                      \
-	namespace floats { extern const MomentumKernels<float> kernels; }
+	namespace floats { extern const SweepKernels<float> kernels; }
 RCR_COMPILED(lanes1, single1)
 RCR_COMPILED(lanes4, single8)
 RCR_COMPILED(lanes8, single16) // two halves per lane without AVX-512
@@ -19,7 +19,7 @@ namespace {
 
 	struct Kernels {
 		const PackedKernels&          packed;
-		const MomentumKernels<float>& single;
+		const SweepKernels<float>& single;
 	};
 
 	Kernels chosen(int lanes)
@@ -44,6 +44,6 @@ namespace {
 } // namespace
 
 const PackedKernels&          packedKernels(int lanes) { return chosen(lanes).packed; }
-const MomentumKernels<float>& singleKernels(int lanes) { return chosen(lanes).single; }
+const SweepKernels<float>& singleKernels(int lanes) { return chosen(lanes).single; }
 
 } // namespace rcr

@@ -177,10 +177,14 @@ template <class Real> struct PackedViewOf {
 };
 using PackedView = PackedViewOf<double>;
 
-/// The kernels of sweeps with momentum, in doubles or floats. Each works on one chunk.
-template <class Real> struct MomentumKernels {
+/// The kernels of sweeps, in doubles or floats. Each works on one chunk.
+template <class Real> struct SweepKernels {
 	using View = PackedViewOf<Real>;
 
+	/// Solves every point once and updates the velocities.
+	void (*sweep)(const View&, const Chunk&);
+	/// p ← P_K(p + relaxation (solution − p))
+	void (*sweepRelaxed)(const View&, const Chunk&, double relaxation);
 	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖². Yielding contacts, those with a
 	/// compliance ε > 0, take solution/(1 + ε max(1, w₀/w_nn)).
 	double (*sweepMomentum)(const View&, const Chunk&, double momentum, const Yielding&);
@@ -192,16 +196,12 @@ template <class Real> struct MomentumKernels {
 };
 
 /// All kernels of one lane width.
-struct PackedKernels : MomentumKernels<double> {
+struct PackedKernels : SweepKernels<double> {
 	int width;
 	/// Computes lever arms and Delassus coefficients from the raw arms. Returns Σ |u|².
 	double (*prepare)(const View&, const Chunk&);
 	/// v ← v + M⁻¹Jᵀp
 	void (*apply)(const View&, const Chunk&);
-	/// Solves every point once and updates the velocities.
-	void (*sweep)(const View&, const Chunk&);
-	/// p ← P_K(p + relaxation (solution − p))
-	void (*sweepRelaxed)(const View&, const Chunk&, double relaxation);
 	/// Writes (u_n + b_n, u_t) to `bias` and `tangentialBias` of the columns of floats.
 	void (*updateReference)(const View&, const Chunk&, ColumnOf<float>* points);
 };
@@ -209,6 +209,6 @@ struct PackedKernels : MomentumKernels<double> {
 /// Scalar (`lanes` = 1), AVX2 (4) or the processor's widest kernels (8, 0); those of AVX-512 have
 /// 16 lanes.
 const PackedKernels&          packedKernels(int lanes);
-const MomentumKernels<float>& singleKernels(int lanes);
+const SweepKernels<float>& singleKernels(int lanes);
 
 } // namespace rcr

@@ -23,6 +23,42 @@ namespace {
 		        });
 	}
 
+	template <class M, int Points>
+	NOINLINE void sweepAs(const PackedView& view, const Chunk& chunk)
+	{
+		sweepPairs<M, Points>(view, chunk, [](const auto& c, int lane, const auto& u) INLINE {
+			const auto p = M::impulse(c, lane), q = M::solve(c, lane, u, p);
+			M::set(c, lane, q);
+			return q - p;
+		});
+	}
+
+	void sweep(const PackedView& view, const Chunk& chunk)
+	{
+		withModelAndPoints(chunk, [&](auto model, auto points) {
+			sweepAs<decltype(model), points.value>(view, chunk);
+		});
+	}
+
+	template <class M, int Points>
+	NOINLINE void sweepRelaxedAs(const PackedView& view, const Chunk& chunk, double by)
+	{
+		const L relaxation = Real(by);
+		sweepPairs<M, Points>(view, chunk, [=](const auto& c, int lane, const auto& u) INLINE {
+			const auto p = M::impulse(c, lane), solved = M::solve(c, lane, u, p);
+			const auto q = M::project(c, lane, p + relaxation * (solved - p));
+			M::set(c, lane, q);
+			return q - p;
+		});
+	}
+
+	void sweepRelaxed(const PackedView& view, const Chunk& chunk, double relaxation)
+	{
+		withModelAndPoints(chunk, [&](auto model, auto points) {
+			sweepRelaxedAs<decltype(model), points.value>(view, chunk, relaxation);
+		});
+	}
+
 	template <class M, int Points, class NewImpulse>
 	NOINLINE double sweepMomentumAs(
 	        const PackedView& view, const Chunk& chunk, double momentum, NewImpulse newImpulse)
@@ -124,8 +160,9 @@ namespace {
 } // namespace
 
 #ifdef RCR_SINGLE
-extern const MomentumKernels<float> kernels;
-const MomentumKernels<float>        kernels { sweepMomentum, measure, extrapolate };
+extern const SweepKernels<float> kernels;
+const SweepKernels<float>        kernels { sweep, sweepRelaxed, sweepMomentum, measure,
+	extrapolate };
 #else
 namespace {
 
@@ -208,42 +245,6 @@ namespace {
 		});
 	}
 
-	template <class M, int Points>
-	NOINLINE void sweepAs(const PackedView& view, const Chunk& chunk)
-	{
-		sweepPairs<M, Points>(view, chunk, [](const auto& c, int lane, const auto& u) INLINE {
-			const auto p = M::impulse(c, lane), q = M::solve(c, lane, u, p);
-			M::set(c, lane, q);
-			return q - p;
-		});
-	}
-
-	void sweep(const PackedView& view, const Chunk& chunk)
-	{
-		withModelAndPoints(chunk, [&](auto model, auto points) {
-			sweepAs<decltype(model), points.value>(view, chunk);
-		});
-	}
-
-	template <class M, int Points>
-	NOINLINE void sweepRelaxedAs(const PackedView& view, const Chunk& chunk, double by)
-	{
-		const L relaxation = Real(by);
-		sweepPairs<M, Points>(view, chunk, [=](const auto& c, int lane, const auto& u) INLINE {
-			const auto p = M::impulse(c, lane), solved = M::solve(c, lane, u, p);
-			const auto q = M::project(c, lane, p + relaxation * (solved - p));
-			M::set(c, lane, q);
-			return q - p;
-		});
-	}
-
-	void sweepRelaxed(const PackedView& view, const Chunk& chunk, double relaxation)
-	{
-		withModelAndPoints(chunk, [&](auto model, auto points) {
-			sweepRelaxedAs<decltype(model), points.value>(view, chunk, relaxation);
-		});
-	}
-
 	void updateReference(const PackedView& view, const Chunk& chunk, ColumnOf<float>* points)
 	{
 		forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
@@ -257,8 +258,8 @@ namespace {
 } // namespace
 
 extern const PackedKernels kernels;
-const PackedKernels        kernels { { sweepMomentum, measure, extrapolate }, RCR_LANES,
-	prepare, apply, sweep, sweepRelaxed, updateReference };
+const PackedKernels        kernels { { sweep, sweepRelaxed, sweepMomentum, measure, extrapolate },
+	RCR_LANES, prepare, apply, updateReference };
 #endif
 
 } // namespace rcr::RCR_LANE_NAMESPACE
