@@ -126,8 +126,8 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	timed("correct", [&] {
 		rcr::computeCorrection(step_, double(correction), workspace_);
 		if (!largeDisplacements_) return;
-		const double overlap = rcr::separate(
-		        step_, correction > 0 && !yielded, contactFilter(*scene, engines));
+		const double overlap
+		        = rcr::separate(step_, correction > 0, contactFilter(*scene, engines));
 		if (overlap > rcr::JamDetector::jamOverlap) converged = false;
 		if (!converged) checkEnergy(step_, scene->iter);
 	});

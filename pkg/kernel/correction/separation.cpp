@@ -170,8 +170,7 @@ namespace {
 			const StepContact& c   = contact(number);
 			const Manifold     at  = pointsAtEnd(c);
 			const int          id1 = step_.bodies[c.body1].owner, id2 = step_.bodies[c.body2].owner;
-			const InverseMass &m1 = step_.problem.inverseMass[id1],
-			                  &m2 = step_.problem.inverseMass[id2];
+			const InverseMass  m1 = inverseMass(id1), m2 = inverseMass(id2);
 			PlanarVector &     d1 = step_.displacement[id1], &d2 = step_.displacement[id2];
 			PlanarVector       moved1, moved2; // by this contact
 			touched_[number] = true;
@@ -198,9 +197,15 @@ namespace {
 			d1 = d1 + moved1, d2 = d2 + moved2;
 			enqueue(number);
 			for (int id : { id1, id2 })
-				if (!step_.problem.prescribed(id))
+				if (!inverseMass(id).prescribed())
 					for (int k : contactsOf_[id])
 						enqueue(k);
+		}
+
+		/// Bodies whose contacts yield are not displaced.
+		InverseMass inverseMass(int id) const
+		{
+			return step_.problem.hasYielded(id) ? InverseMass {} : step_.problem.inverseMass[id];
 		}
 	};
 

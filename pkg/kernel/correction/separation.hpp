@@ -12,7 +12,8 @@
 // Gauss–Seidel solves this in the metric of the masses, in at most 200 sweeps. Gaps are detected at
 // the displaced positions. A contact counts as solved within one slop. Other contacts of such a
 // step join if they end with overlaps above 10 slops. Contacts that displaced bodies reach join as
-// well. Source: position solver of Box2D (Catto 2011); Cline and Pai 2003 (post-stabilization).
+// well. Bodies whose contacts yield are not displaced. Source: position solver of Box2D (Catto
+// 2011); Cline and Pai 2003 (post-stabilization).
 #pragma once
 
 #include "detection/late_contacts.hpp"
