@@ -49,9 +49,9 @@ def scene(**changes):
     told = dict(
         x=mean(lambda s: s.pos[0]), y=mean(lambda s: s.pos[1]),
         turned=mean(lambda s: abs(2 * math.atan2(s.ori[2], s.ori[3]))),
-        energy=sum(0.5 * b.state.mass * b.state.vel.squaredNorm() + 0.5 * b.state.inertia[2]
-                   * b.state.angVel[2] ** 2 for b in grains),
-        force=sum(i.phys.normalForce.norm() for i in O.interactions),
+        energy=math.fsum(0.5 * b.state.mass * b.state.vel.squaredNorm() + 0.5 * b.state.inertia[2]
+                         * b.state.angVel[2] ** 2 for b in grains),
+        force=math.fsum(i.phys.normalForce.norm() for i in O.interactions),
         plastic=O.energy["plastDissip"] if "plastDissip" in O.energy.keys() else 0.0,
     )  # fmt: skip
     return told | (dict(points=solver.contactPoints, overlap=solver.deepestOverlap) if solver

@@ -57,7 +57,7 @@ def make_scene(parameters):
     )
     grains = zip(centres, radii, angles)
     O.bodies.append([rcr.particle(c, R, parameters["eta"], a, grain) for c, R, a in grains])
-    mass = sum(b.state.mass for b in O.bodies)
+    mass = math.fsum(b.state.mass for b in O.bodies)
     wall_mass = mass / math.sqrt(count)  # of a row of grains; heavier walls lag behind
     fixed = [rcr.wall(axis, 0, +1, material=plate) for axis in "xy"]
     mobile = [rcr.mobile_wall(axis, at, wall_mass, -1, plate)
@@ -122,7 +122,7 @@ def _reduce_displacement(state):
     """
     window = PROTOCOL.unbalance_window
     earlier, state["unbalances"] = state["unbalances"][:window], state["unbalances"][window:]
-    if sum(state["unbalances"]) <= PROTOCOL.unbalance_decrease * sum(earlier):
+    if math.fsum(state["unbalances"]) <= PROTOCOL.unbalance_decrease * math.fsum(earlier):
         return
     state["displacement"] *= PROTOCOL.displacement_reduction
     state["flip_displacement"] = state["displacement"]
