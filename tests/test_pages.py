@@ -56,3 +56,11 @@ def test_tables_are_those_of_their_files():
     done = subprocess.run([sys.executable, ROOT / "docs" / "generate" / "tables.py", "--check"],
                           capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
+
+
+def test_readme_counts_the_statements_that_agree():
+    verdicts = re.findall(r"\| (agrees|does not agree) \|$",
+                          (ROOT / "docs" / "study" / "statements.md").read_text(), re.M)
+    agree, total = re.search(r"(\d+) of\s+the\s+\[(\d+)\s+statements\]",
+                             (ROOT / "README.md").read_text()).groups()
+    assert (verdicts.count("agrees"), len(verdicts)) == (int(agree), int(total))
