@@ -59,7 +59,7 @@ def test_tables_are_those_of_their_files():
 
 
 def test_readme_counts_the_statements_that_agree():
-    verdicts = re.findall(r"\| (agrees|does not agree) \|$",
+    verdicts = re.findall(r"\| (agrees|does not agree|not tested) \|$",
                           (ROOT / "docs" / "study" / "statements.md").read_text(), re.M)
     agree, total = re.search(r"(\d+) of\s+the\s+\[(\d+)\s+statements\]",
                              (ROOT / "README.md").read_text()).groups()
