@@ -185,7 +185,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	if (!reason_.empty()) return false;
 	const bool first = !active_;
 	if (first) begin(team, handles, step);
-	pairs_.addLateContacts(step, scene.iter);
+	pairs_.addFoundContacts(step, scene.iter);
 	if (first || !step.added.empty()) pairs_.numberContacts(step);
 	pairs_.storeForces(step, team);
 	move(scene, *engines.integrator, team, handles, impulses, step);

@@ -42,11 +42,11 @@ rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engine
 
 static void addFoundContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
-	for (rcr::LateContact& c : step.lateContacts)
+	for (rcr::FoundContact& c : step.found)
 		if (!c.known)
 			setCoefficients(
 			        scene, *engines.loop, c.body1, c.body2, c.friction, c.restitution);
-	rcr::addLateContacts(step);
+	rcr::addFoundContacts(step);
 }
 
 bool findLateContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)

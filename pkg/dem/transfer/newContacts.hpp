@@ -10,7 +10,7 @@ namespace yade {
 void setCoefficients(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2,
         double& friction, double& restitution);
 
-/// Returns true if the collider and the functors of the scene allow a contact of the two bodies.
+/// Returns true if collider, functors and materials of the scene allow a contact of the two bodies.
 /// Throws if no Ig2 functor handles bodies that could overlap.
 bool allowsContact(Scene&, const validation::Engines&, Body::id_t id1, Body::id_t id2);
 
@@ -23,11 +23,10 @@ rcr::ContactFilter contactFilter(Scene&, const validation::Engines&);
 void addUnlistedContacts(Scene&, const validation::Engines&, const Engine& solver, SceneHandles&,
         rcr::Step&);
 
-/// Finds late contacts of the solved step (kernel/detection/late_contacts.hpp). Returns true if one
-/// of them closes.
+/// Returns true if the solved step has a late contact (kernel/detection/late_contacts.hpp).
 bool findLateContacts(Scene&, const validation::Engines&, rcr::Step&);
 
-/// Finds late contacts. If one closes, adds all to the problem and returns true.
+/// If the solved step has a late contact, adds all found contacts to it and returns true.
 bool addLateContacts(Scene&, const validation::Engines&, rcr::Step&);
 
 } // namespace yade

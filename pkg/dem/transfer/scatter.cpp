@@ -28,7 +28,7 @@ static void writeForces(const rcr::Step& step, const rcr::StepContact& contact, 
 
 /// Writes an added contact as InteractionLoop would have made it.
 static SceneHandles::Contact writeAddedContact(
-        Scene& scene, const rcr::Step& step, const rcr::LateContact& late)
+        Scene& scene, const rcr::Step& step, const rcr::FoundContact& late)
 {
 	rcr::Pair pair;
 	pair.body1 = late.body1, pair.body2 = late.body2;
@@ -43,7 +43,7 @@ static SceneHandles::Contact writeAddedContact(
 
 static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 {
-	for (const rcr::LateContact& late : step.added) {
+	for (const rcr::FoundContact& late : step.added) {
 		const auto k = step.find(late.body1, late.body2) - step.contacts.data();
 		step.contacts[k].handleIndex = int(handles.sorted.size());
 		handles.sorted.push_back(writeAddedContact(scene, step, late));

@@ -7,7 +7,8 @@ constexpr int    samples         = 4; // times within the step at which gaps are
 constexpr int    nearMissSamples = 8; // times at which contacts with restitution are measured
 // least gap over the slop of a contact that is released
 constexpr double clearance       = 0.02;
-constexpr double loadedClearance = 0.5; // its value if the contact bore a force before the step
+// its value if the point bore a force before the step, without restitution
+constexpr double loadedClearance = 0.5;
 // a contact stays if its gap is below this share of the path, and below the slop
 constexpr double earlyArrival    = 0.01;
 
@@ -113,7 +114,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 			continue;
 		}
 		const double curve = sinks ? (end - gap - share * path) / (share * share)
-		        : 2 * least - gap - path; // 2: also releases one of two loaded contacts
+		        : 2 * least - gap - path; // with 1 instead of 2, one of two loaded contacts stays
 		// at most an elastic impact
 		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, std::min(0.0, before));
 		if (dt * std::abs(bias - c.bias) < clearance * slop) continue;

@@ -3,7 +3,7 @@
 // The law describes a contact by its tangent plane at the beginning of the step: g + dt u_n ≥ 0.
 // The gap at the end differs from this by the curvature of the path, about λ²/2ρ for a relative
 // displacement λ. A disc that passes a corner would be deflected by a plane that it never meets. A
-// spinning rod would end inside a body. After each solve, the gap of a large displacement is
+// spinning rod would end inside a body. After a solve, the gap of a large displacement is
 // therefore measured at four instants of the step. If it ends below min(0, g) by more than the
 // slop, its difference c from the plane enters the bias. The step is then solved again:
 //
@@ -12,7 +12,7 @@
 // The bias is at least min(0, u_n⁻), with the normal velocity u_n⁻ before the step. The contact
 // then pushes no harder than an elastic impact. separation.hpp removes the remaining overlap.
 //
-// A loaded contact whose gap stays open along the path is released. With the smallest measured gap
+// A loaded point whose gap stays open along the path is released. With the smallest measured gap
 // g_min, its bias rises by 2 g_min/dt, and by |g|/dt at an overlap g < 0. The gap must exceed 2 %
 // of the slop. Without restitution, it must also exceed min(slop, 1 % of the closing path), and
 // half the slop if the contact bore a force before the step.
@@ -80,7 +80,7 @@ Manifold pointsAfter(const Step& step, const StepContact& c, double time, Veloci
 Manifold solvedPointsAfter(const Step&, const StepContact&, double time);
 
 /// Returns true if a body has passed through the other one at `time`, when the contact points are
-/// `now`. Otherwise it is on its original side, or has moved around the other body. Bisection in
+/// `now`. Otherwise it is on its original side, out of reach, or has moved around. Bisection in
 /// time finds the change of the normal: it is continuous around a body and jumps through it.
 /// `normalBefore`: contact normal at the beginning of the step.
 bool passedThrough(const Step&, const StepContact&, Vec2 normalBefore, const Manifold& now,
@@ -90,8 +90,8 @@ bool passedThrough(const Step&, const StepContact&, Vec2 normalBefore, const Man
 /// the slop at one of four instants, or one body has passed through the other.
 bool meetOnPaths(const Step&, const StepContact&, Vec2 normalBefore);
 
-/// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias
-/// changed. `allowRelease`: a contact whose gap stays open along the path may be released.
+/// Enters the gaps along the paths into the biases of the contact. Returns true if a bias changed.
+/// `allowRelease`: a point whose gap stays open along the path may be released.
 bool adaptToDisplacement(Step&, const StepContact&, bool allowRelease);
 
 /// Releases a contact with restitution whose bodies do not meet at their initial velocities. The

@@ -26,12 +26,12 @@ namespace {
 				const StepContact& c = step_.contacts[k];
 				if (isPrescribed(c)) continue;
 				const bool isLarge = hasLargeDisplacement(step_, c);
-				if (!isLarge && !closes(c)) continue;
+				if (!isLarge && !endsInside(c)) continue;
 				if (isLarge && c.count > 0
 				        && passedThrough(step_, c, step_.problem.points[c.first].normal,
 				                solvedPointsAfter(step_, c, step_.dt), step_.dt))
 					return 1;
-				const double at = excess(c);
+				const double at = violation(c);
 				if (at > 0) enqueue(int(k));
 				deepest = std::max(deepest, at);
 			}
@@ -42,7 +42,7 @@ namespace {
 				for (; sweeps > 0 && !queue_.empty(); --sweeps)
 					sweep();
 			}
-			return deepestExcess();
+			return deepestViolation();
 		}
 
 	private:
@@ -68,7 +68,7 @@ namespace {
 			reached_ = contactsOfDisplaced(step_, allowsContact_);
 			queued_.resize(count());
 			for (std::size_t k = step_.contacts.size(); k < count(); ++k)
-				if (!isPrescribed(contact(k)) && excess(contact(k)) > 0) enqueue(int(k));
+				if (!isPrescribed(contact(k)) && violation(contact(k)) > 0) enqueue(int(k));
 		}
 
 		void sweep()
@@ -82,8 +82,8 @@ namespace {
 				separate(k);
 		}
 
-		/// Deepest overlap that is left, over R₁ + R₂ [-].
-		double deepestExcess() const
+		/// Deepest violation that is left [-].
+		double deepestViolation() const
 		{
 			double deepest = 0;
 			for (std::size_t k = 0; k < count(); ++k) {
@@ -91,7 +91,7 @@ namespace {
 				const bool         listed = k < step_.contacts.size();
 				if (isPrescribed(c)) continue;
 				if (listed && !touched_[k] && !hasLargeDisplacement(step_, c)) continue;
-				deepest = std::max(deepest, excess(c));
+				deepest = std::max(deepest, violation(c));
 			}
 			return deepest;
 		}
@@ -122,14 +122,14 @@ namespace {
 		}
 
 		/// Overlap at the end over R₁ + R₂ if it exceeds 10 slops and its bound [-]; else 0.
-		double excess(const StepContact& c) const
+		double violation(const StepContact& c) const
 		{
 			const double at = pointsAtEnd(c).deepest();
 			return at > std::max(allowed(c), trigger * c.slop()) ? at / c.size : 0;
 		}
 
-		/// Returns true if a point of the contact ends with an overlap at its velocity.
-		bool closes(const StepContact& c) const
+		/// Returns true if a point of the contact ends above 10 slops of overlap at its velocity.
+		bool endsInside(const StepContact& c) const
 		{
 			for (int k = c.first; k < c.first + c.count; ++k) {
 				const double u = relativeVelocity(step_.problem, step_.problem.points[k]).n;
@@ -139,7 +139,7 @@ namespace {
 		}
 
 		/// Contact points at the end. If displacements have pushed one body through the other, the
-		/// normals are those before, and the overlaps lead back to the side before.
+		/// normals are reversed, and the overlaps lead back to the side before.
 		Manifold pointsAtEnd(const StepContact& c) const
 		{
 			Manifold at = pointsAfter(

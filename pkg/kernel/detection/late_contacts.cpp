@@ -118,7 +118,7 @@ namespace {
 	}
 
 	/// A late contact as a contact of the step without points.
-	StepContact newContact(const Step& step, const LateContact& late)
+	StepContact newContact(const Step& step, const FoundContact& late)
 	{
 		const double size = contactSize(
 		        step.bodies[late.body1].shape, step.bodies[late.body2].shape);
@@ -128,7 +128,7 @@ namespace {
 
 	/// Returns true if a point closes beyond the slop at the solved velocities. A new contact with
 	/// a large displacement also closes if its bodies meet on their curved paths.
-	bool closes(const Step& step, const LateContact& late)
+	bool closes(const Step& step, const FoundContact& late)
 	{
 		if (late.manifold.count == 0) return false;
 		const StepContact contact = newContact(step, late);
@@ -151,9 +151,9 @@ namespace {
 	}
 
 	/// Sorts by bodies and keeps the last entry of each pair.
-	void keepLastOfEach(std::vector<LateContact>& contacts)
+	void keepLastOfEach(std::vector<FoundContact>& contacts)
 	{
-		const auto same = [](const LateContact& a, const LateContact& b) {
+		const auto same = [](const FoundContact& a, const FoundContact& b) {
 			return a.body1 == b.body1 && a.body2 == b.body2;
 		};
 		std::stable_sort(contacts.begin(), contacts.end(), precedes);
@@ -182,7 +182,7 @@ namespace {
 		if (!canTouch(shape(id).kind, shape(other).kind)) return;
 		const StepBody &   one = step.bodies[id], &two = step.bodies[other];
 		const StepContact* contact = step.find(id, other);
-		LateContact        found;
+		FoundContact        found;
 		found.body1    = id;
 		found.body2    = other;
 		found.shift    = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
@@ -196,7 +196,7 @@ namespace {
 		// keeps a contact beyond a smaller reach
 		if (exact && found.manifold.count == 0) return;
 		if (!contact && !allowsContact(id, other)) return;
-		step.lateContacts.push_back(found);
+		step.found.push_back(found);
 	}
 
 	/// Force from which a point starts, and Gap::loadedBefore.
@@ -227,17 +227,17 @@ namespace {
 
 	struct Entry {
 		StepContact        contact; // with its old number of the first point
-		const LateContact* late; // null: unchanged
+		const FoundContact* late; // null: unchanged
 	};
 
 	/// Old and new contacts, sorted by bodies.
 	std::vector<Entry> entries(const Step& step)
 	{
 		std::vector<Entry> all;
-		all.reserve(step.contacts.size() + step.lateContacts.size());
+		all.reserve(step.contacts.size() + step.found.size());
 		for (const StepContact& c : step.contacts)
 			all.push_back({ c, nullptr });
-		for (const LateContact& c : step.lateContacts) {
+		for (const FoundContact& c : step.found) {
 			if (c.known) all[step.find(c.body1, c.body2) - step.contacts.data()].late = &c;
 			else
 				all.push_back({ newContact(step, c), &c });
@@ -274,40 +274,40 @@ bool findUnlistedContacts(
 	const Candidates candidates(step, bodies);
 	for (int id : bodies)
 		candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact, true); });
-	keepLastOfEach(step.lateContacts);
-	return !step.lateContacts.empty();
+	keepLastOfEach(step.found);
+	return !step.found.empty();
 }
 
-/// Collects in step.lateContacts the contacts of bodies whose paths exceed their reach.
-static void collectLateContacts(Step& step, const ContactFilter& allowsContact)
+/// Collects in step.found the contacts of bodies whose paths exceed their reach.
+static void collectContacts(Step& step, const ContactFilter& allowsContact)
 {
 	const std::vector<std::int32_t> widened = widenReach(step);
 	if (widened.empty()) return;
 	const Candidates candidates(step, widened);
 	for (int id : widened)
 		candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact); });
-	keepLastOfEach(step.lateContacts);
+	keepLastOfEach(step.found);
 	step.widened.insert(step.widened.end(), widened.begin(), widened.end());
 }
 
 bool findLateContacts(Step& step, const ContactFilter& allowsContact)
 {
-	collectLateContacts(step, allowsContact);
+	collectContacts(step, allowsContact);
 	// late contacts found after earlier solves may close at the present velocities
-	return std::any_of(step.lateContacts.begin(), step.lateContacts.end(),
-	        [&](const LateContact& late) { return closes(step, late); });
+	return std::any_of(step.found.begin(), step.found.end(),
+	        [&](const FoundContact& late) { return closes(step, late); });
 }
 
 std::vector<StepContact> contactsOfDisplaced(Step& step, const ContactFilter& allowsContact)
 {
-	collectLateContacts(step, allowsContact);
+	collectContacts(step, allowsContact);
 	std::vector<StepContact> contacts;
-	for (const LateContact& late : step.lateContacts)
+	for (const FoundContact& late : step.found)
 		if (!late.known) contacts.push_back(newContact(step, late));
 	return contacts;
 }
 
-void addLateContacts(Step& step)
+void addFoundContacts(Step& step)
 {
 	// bodies whose contacts restart from their initial bias
 	std::vector<char> restarted(step.bodies.size());
@@ -342,8 +342,8 @@ void addLateContacts(Step& step)
 	step.force.swap(forces);
 	step.gap.swap(gaps);
 	step.indexContacts();
-	step.added.insert(step.added.end(), step.lateContacts.begin(), step.lateContacts.end());
-	step.lateContacts.clear();
+	step.added.insert(step.added.end(), step.found.begin(), step.found.end());
+	step.found.clear();
 	step.widened.clear();
 }
 

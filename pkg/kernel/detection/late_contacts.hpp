@@ -12,11 +12,11 @@
 //   ℓ_i = dt v_i, for a grain 0.01 R' more
 //
 // A body that is released or hit may move further, and CellStress may change v_i in the solve.
-// After the solve, the reach of a free body whose path exceeds it is widened by 1.5 paths. If a
-// late contact is among its contacts, all contacts within the widened reach are added. The step is
-// then solved again, up to its limit of passes. If images move further than 2 dt v_i plus
-// 0.01 R', all bodies reach further by the new v_i. A gap closes on its tangent plane. With a
-// large displacement, it may also close on the curved paths of the bodies.
+// After the solve, the reach of each body whose path exceeds it is widened by 1.5 paths. If any of
+// their contacts is late, all contacts within the widened reaches are added. The step is then
+// solved again, up to its limit of passes. If images move further than 2 dt v_i plus 0.01 R', all
+// bodies reach further by the new v_i. Whether a gap closes is tested on its tangent plane, and with
+// a large displacement also on the curved paths of the bodies.
 #pragma once
 
 #include <functional>
@@ -44,26 +44,27 @@ inline double imageReach(const PlanarShape& shape, double imageSpeed, double dt)
 using ContactFilter = std::function<bool(int body1, int body2)>;
 
 /// Before the solve, detects contacts of bodies whose pairs in the simulation may be incomplete.
-/// Collects them in step.lateContacts and returns true if there are any. Call addLateContacts then.
+/// Collects them in step.found and returns true if there are any. Call addFoundContacts then.
 bool findUnlistedContacts(Step&, const std::vector<std::int32_t>& bodies, const ContactFilter&);
 
 /// Distance within which contacts of a body are detected, with its widening in this step [m].
 double detectionReach(const Step&, std::size_t id);
 
-/// Collects in step.lateContacts the contacts within the widened reach of the solved step. Returns
-/// true if one of them is late. A further solve requires addLateContacts.
+/// Collects in step.found the contacts within the widened reach of the solved step. Returns
+/// true if one of them is late. A further solve requires addFoundContacts.
 bool findLateContacts(Step&, const ContactFilter&);
 
-/// Returns true if radii and paths of two bodies exceed half of the smallest height of the cell.
+/// Returns true if the sum of radii and paths of two bodies exceeds half the smallest height of the
+/// cell.
 /// Such bodies may meet at two images, and only the contact of the nearest images is detected.
 bool spansHalfCell(const Step&);
 
-/// Contacts without points that the step lacks, of bodies that path and displacement move beyond
-/// their reach. A displacement is that of the position correction.
+/// Returns contacts that the step lacks, without points: those found earlier, and those of bodies
+/// whose path and displacement exceed their reach. Widens the reach of these bodies.
 std::vector<StepContact> contactsOfDisplaced(Step&, const ContactFilter&);
 
-/// Adds step.lateContacts to the contacts, points and forces of the step, and moves it to
+/// Adds step.found to the contacts, points and forces of the step, and moves it to
 /// step.added. Requires friction and restitution of new contacts.
-void addLateContacts(Step&);
+void addFoundContacts(Step&);
 
 } // namespace rcr

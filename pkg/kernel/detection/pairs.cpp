@@ -54,20 +54,20 @@ void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 	});
 }
 
-void Pairs::addLateContacts(const Step& step, long iteration)
+void Pairs::addFoundContacts(const Step& step, long iteration)
 {
 	if (step.added.empty()) return;
 	Neighbors::List list;
 	list.reserve(all.size() + step.added.size());
 	for (const Pair& pair : all)
 		list.emplace_back(pair.body1, pair.body2);
-	for (const LateContact& late : step.added)
+	for (const FoundContact& late : step.added)
 		list.emplace_back(late.body1, late.body2);
 	std::sort(list.begin() + all.size(), list.end());
 	std::inplace_merge(list.begin(), list.begin() + all.size(), list.end());
 	list.erase(std::unique(list.begin(), list.end()), list.end());
 	assign(list);
-	for (const LateContact& late : step.added) {
+	for (const FoundContact& late : step.added) {
 		Pair& pair = *std::lower_bound(all.begin(), all.end(), late, precedes);
 		if (!late.known) {
 			pair.friction = late.friction, pair.restitution = late.restitution;

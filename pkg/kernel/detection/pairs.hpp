@@ -30,7 +30,7 @@ struct Pairs {
 	/// forward. `keepContacts`: contacts beyond the present reach remain.
 	void detect(const Step&, ThreadTeam&, bool keepContacts);
 
-	void addLateContacts(const Step&, long iteration); // those of Step::added
+	void addFoundContacts(const Step&, long iteration); // those of Step::added
 	void numberContacts(Step&) const;                  // sets StepContact::handleIndex
 	void fillStep(Step&, ThreadTeam&) const;           // with contacts and their first forces
 	void storeForces(const Step&, ThreadTeam&);        // of a solved step

@@ -54,7 +54,7 @@ void Step::resizePoints(int points)
 	gap.resize(points);
 	force.resize(points);
 	widenedReach.assign(bodies.size(), 0);
-	lateContacts.clear();
+	found.clear();
 	widened.clear();
 	added.clear();
 	displacement.clear();

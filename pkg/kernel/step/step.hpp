@@ -62,7 +62,7 @@ struct StepBody {
 	// members
 	double       coveredPath   = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
-	bool         free          = false; // at least one degree of freedom is not blocked
+	bool         free          = false; // can move and is no clump member
 
 	Pose pose() const { return { center, turn.axis() }; }
 };
@@ -98,8 +98,8 @@ struct Gap {
 	bool   loadedBefore; // the point bore a force at the beginning of the step
 };
 
-/// Late or unlisted contact (detection/late_contacts.hpp): new, or with other points.
-struct LateContact {
+/// Contact of a search (detection/late_contacts.hpp): new, or with other points.
+struct FoundContact {
 	std::int32_t body1 = 0, body2 = 0;
 	Vec2         shift;
 	Manifold     manifold;
@@ -184,8 +184,9 @@ struct Step {
 	std::vector<double>       widenedReach; // per body: widened alert distance [m]; 0: none
 	// bodies whose reach was widened since contacts were last added; empty before the first solve
 	std::vector<std::int32_t> widened;
-	std::vector<LateContact> lateContacts, added; // that may be added; that were added
-	std::vector<PlanarVector> displacement; // per body: position correction [m, rad]; empty: none
+	std::vector<FoundContact> found, added; // by searches; those that were added
+	// per body: position correction and separation [m, rad]; empty: none
+	std::vector<PlanarVector> displacement;
 	Vec2                      strain;       // of the cell, from the position correction [-]
 
 	/// Point k of a contact as it was detected.
@@ -203,7 +204,7 @@ struct Step {
 
 	/// A detected point as a point of the problem, with the bias of the law:
 	///
-	///   b_n = e u_n⁻  the gap closes within the step: Newton's rule with the restitution e
+	///   b_n = e u_n⁻  the gap closes within the step and e > 0: Newton's rule with restitution e
 	///   b_n = g/dt    open gap, and any gap of an overdamped step
 	///   b_n = 0       lasting contact
 	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&) const;

@@ -32,8 +32,8 @@ public:
 	void   sweepRelaxed(double relaxation);
 	double sweepMomentum(double momentum, const Yielding& = {});
 
-	/// Makes sweeps and `measure` use floats. Does nothing if the island is small, or if
-	/// its numbers or their squares leave the range of floats.
+	/// Makes sweeps and `measure` use floats. Does nothing if the island is small, or if its numbers
+	/// or their squares come near the limits of floats.
 	void beginMixedPrecision();
 	/// Returns to doubles: copies the impulses and recomputes the velocities from them.
 	void endMixedPrecision();
@@ -42,7 +42,7 @@ public:
 	/// Saves the impulses.
 	void saveImpulses();
 	bool hasSavedImpulses() const { return hasSavedImpulses_; }
-	/// Σ |p − p_saved|² [(N s)²], in doubles.
+	/// Σ |p − p_saved|² [(N s)²]. Call it after endMixedPrecision.
 	double changeSinceSaved();
 
 	/// Sums for the stop criteria at the present impulses and velocities.
@@ -51,7 +51,7 @@ public:
 	bool hasYielded() const { return state_.hasYielded; }
 	/// Mass of the bodies without hinged ones [kg].
 	double mass() const { return state_.mass; }
-	/// Σ |u|² over the points without impulses [(m/s)²].
+	/// Σ |u|² over the points at zero impulses [(m/s)²].
 	double freeVelocity2() const { return state_.freeVelocity2; }
 
 private:
@@ -82,7 +82,7 @@ private:
 		        && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0);
 	}
 	template <class Kernel, class Next> void sweepPlainly(Kernel, Next);
-	void beginSweep(); // updates the reference of floats
+	void beginSweep(); // call before each sweep
 	void copyToDoubles();
 	void updateReference();
 	void resetMomentum();

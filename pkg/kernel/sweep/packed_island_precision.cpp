@@ -116,7 +116,7 @@ double PackedIsland::changeSinceSaved()
 	return change2;
 }
 
-/// The impulses and velocities in doubles become the reference. Inverse masses stay.
+/// The velocities in doubles become the reference. Inverse masses stay.
 void PackedIsland::updateReference()
 {
 	forEachChunk([&](const Chunk& chunk, int) {

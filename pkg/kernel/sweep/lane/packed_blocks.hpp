@@ -1,7 +1,7 @@
 // Memory layout of the packed contact problem, and the kernels that work on it.
 //
 // A block holds sixteen pairs of bodies that share no free body, so sixteen lanes may solve them at
-// once. Sixteen are two AVX-512 registers. The point solution is a long chain of operations, and
+// once. Sixteen doubles are two AVX-512 registers. The point solution is a long chain of operations, and
 // the second register fills the waits of the first. A pair has one or two contact points. An empty
 // slot holds zeros, which change nothing.
 //
@@ -185,8 +185,8 @@ template <class Real> struct SweepKernels {
 	void (*sweep)(const View&, const Chunk&);
 	/// p ← P_K(p + relaxation (solution − p))
 	void (*sweepRelaxed)(const View&, const Chunk&, double relaxation);
-	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖². Yielding contacts, those with a
-	/// compliance ε > 0, take solution/(1 + ε max(1, w₀/w_nn)).
+	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖². With a compliance ε > 0, all contacts
+	/// take solution/(1 + ε max(1, w₀/w_nn)).
 	double (*sweepMomentum)(const View&, const Chunk&, double momentum, const Yielding&);
 	/// Sums for the stop criteria at the present impulses and velocities. Floats need `bias`, b_n
 	/// of the contact law in one column per point block: their own bias contains u_ref.
@@ -206,7 +206,7 @@ struct PackedKernels : SweepKernels<double> {
 	void (*updateReference)(const View&, const Chunk&, ColumnOf<float>* points);
 };
 
-/// Scalar (`lanes` = 1), AVX2 (4) or the processor's widest kernels (8, 0); those of AVX-512 have
+/// Scalar (`lanes` = 1) or AVX2 kernels (4), or with 8 and 0 the widest ones; those of AVX-512 have
 /// 16 lanes.
 const PackedKernels&          packedKernels(int lanes);
 const SweepKernels<float>& singleKernels(int lanes);
