@@ -65,7 +65,7 @@ def fill(eta):
                               verletDist=0.1 * R),
         InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom(), Ig2_Box_Rcr_RcrGeom()],
                         [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
-        ContactDynamics(tolerance=1e-4, maxIterations=10_000),
+        ContactDynamics(tolerance=1e-4, maxIterations=100_000),
         NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
         PyRunner(command="record()", iterPeriod=10, dead=True, label="recorder"),
     ]
