@@ -89,16 +89,31 @@ def blocks(page, language):
     return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(), re.M | re.S)
 
 
-def run(page, folder, before=""):
-    (folder / "page.py").write_text(before + "\n".join(blocks(page, "python")))
+def run(page, folder, before="", after=""):
+    (folder / "page.py").write_text(before + "\n".join(blocks(page, "python")) + after)
     done = yade(folder, "-n", "-x", "page.py")
     return done.stdout + done.stderr
+
+
+COUNTED = """
+def told(self, reset=Omega.reset):
+    for engine in self.engines:
+        if isinstance(engine, rcr.ContactDynamics):
+            print("missed", engine.missedSteps, "overlap", engine.deepestOverlap, flush=True)
+    reset(self)
+Omega.reset = told
+"""
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "extending"],
                          ids=lambda page: page.stem)
 def test_page(page, tmp_path):
-    assert "Traceback" not in run(page, tmp_path)
+    """Its code runs without a missed step, a deep overlap or a warning."""
+    before = f"import rcr\nfrom yade.wrapper import Omega{COUNTED}"
+    text = run(page, tmp_path, before, after="\nO.reset()\n")
+    assert "Traceback" not in text and "WARN" not in text and "UserWarning" not in text, text
+    for missed, overlap in re.findall(r"^missed (\d+) overlap (\S+)$", text, re.M):
+        assert int(missed) == 0 and float(overlap) < 0.005
 
 
 def compile_command(source, folder):
