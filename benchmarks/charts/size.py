@@ -100,9 +100,9 @@ def plot(rows, options):
     for ax, (name, (label, unit)) in zip(figure.subplots(1, len(PANELS)), PANELS.items()):
         for method, curve in _curves(rows):
             marker, filling = METHODS[method]
-            ax.loglog([row["particles"] for row in curve], [row[name] * unit for row in curve],
-                      f"k{marker}-", mfc=filling, ms=6, lw=1, label=method)
-        ax.set(xlabel="grains", ylabel=label)
+            ax.semilogx([row["particles"] for row in curve], [row[name] * unit for row in curve],
+                        f"k{marker}-", mfc=filling, ms=6, lw=1, label=method)
+        ax.set(xlabel="grains", ylabel=label, ylim=(0, None))
         ax.grid(alpha=0.3)
     charts.add_legend(figure, ncol=2, bbox_to_anchor=(0.5, 1.02))
     figure.tight_layout(rect=(0, 0, 1, 0.94))

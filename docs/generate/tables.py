@@ -197,6 +197,7 @@ TABLES = {
     "counterparts": counterparts,
     "one-step": lambda: ratios("a", "a-one-step"),
     "deterministic": lambda: ratios("b", "b-deterministic"),
+    "size": lambda: ratios("f", "f-size"),
     "hard-scenes": hard_scenes,
     "stability": stability,
     "study": study,
