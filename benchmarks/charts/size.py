@@ -9,7 +9,6 @@ import ctypes
 import gc
 import math
 import pathlib
-import re
 import time
 from functools import partial
 
@@ -18,6 +17,8 @@ from matplotlib.figure import Figure
 from yade.wrapper import Omega
 
 import rcr
+from rcr.study.summary import memory
+
 from benchmarks import charts
 from benchmarks.hard_scenes import stage
 
@@ -47,12 +48,6 @@ def _column(count, method):
     return O.engines[3]
 
 
-def _memory(name):
-    """Memory of this process [B]: VmRSS at present, VmHWM at most."""
-    status = pathlib.Path("/proc/self/status").read_text()
-    return 1024 * int(re.search(rf"{name}:\s*(\d+) kB", status)[1])
-
-
 def run(name, options):
     count, method = name.split("/")
     _column(100, method)
@@ -61,13 +56,13 @@ def run(name, options):
     gc.collect()
     ctypes.CDLL(None).malloc_trim(0)
     pathlib.Path("/proc/self/clear_refs").write_text("5")  # VmHWM begins here
-    before = _memory("VmRSS")
+    before = memory("VmRSS")
     solver = _column(int(count), method)
     start = time.process_time()
     O.run(STEPS, True)
     seconds = time.process_time() - start
     return [dict(particles=int(count), method=method, seconds=seconds / STEPS / int(count),
-                 bytes=(_memory("VmHWM") - before) / int(count), points=solver.contactPoints,
+                 bytes=(memory("VmHWM") - before) / int(count), points=solver.contactPoints,
                  sweeps=solver.observed()["iterations"] / STEPS,
                  missed=solver.missedSteps / STEPS)]
 

@@ -21,6 +21,7 @@ import time
 import numpy as np
 import yade
 import rcr
+from rcr.study.summary import memory
 from yade import O, utils
 from yade.minieigenHP import Vector3
 from yade.wrapper import InteractionLoop
@@ -310,8 +311,7 @@ def resident():
     """Memory of this process after free memory was returned [MB]."""
     gc.collect()
     ctypes.CDLL(None).malloc_trim(0)
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    return memory("VmRSS") / 1e6
 
 
 def growth(samples):

@@ -28,25 +28,25 @@ static void writeForces(const rcr::Step& step, const rcr::StepContact& contact, 
 
 /// Writes an added contact as InteractionLoop would have made it.
 static SceneHandles::Contact writeAddedContact(
-        Scene& scene, const rcr::Step& step, const rcr::FoundContact& late)
+        Scene& scene, const rcr::Step& step, const rcr::FoundContact& found)
 {
 	rcr::Pair pair;
-	pair.body1 = late.body1, pair.body2 = late.body2;
-	Interaction& i = interactionOf(scene, pair, late.shift);
+	pair.body1 = found.body1, pair.body2 = found.body2;
+	Interaction& i = interactionOf(scene, pair, found.shift);
 	if (!i.phys) {
-		pair.friction = late.friction, pair.restitution = late.restitution;
+		pair.friction = found.friction, pair.restitution = found.restitution;
 		pair.formedAt = scene.iter;
 	}
-	return writeContact(i, pair, late.manifold, step,
-	        shifted(step.bodies[late.body2].pose(), late.shift));
+	return writeContact(i, pair, found.manifold, step,
+	        shifted(step.bodies[found.body2].pose(), found.shift));
 }
 
 static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 {
-	for (const rcr::FoundContact& late : step.added) {
-		const auto k = step.find(late.body1, late.body2) - step.contacts.data();
+	for (const rcr::FoundContact& found : step.added) {
+		const auto k = step.find(found.body1, found.body2) - step.contacts.data();
 		step.contacts[k].handleIndex = int(handles.sorted.size());
-		handles.sorted.push_back(writeAddedContact(scene, step, late));
+		handles.sorted.push_back(writeAddedContact(scene, step, found));
 	}
 }
 

@@ -73,12 +73,12 @@ namespace {
 
 		void sweep()
 		{
-			std::vector<int> sweep;
-			sweep.swap(queue_);
-			std::sort(sweep.begin(), sweep.end());
-			for (int k : sweep)
+			std::vector<int> contacts;
+			contacts.swap(queue_);
+			std::sort(contacts.begin(), contacts.end());
+			for (int k : contacts)
 				queued_[k] = false;
-			for (int k : sweep)
+			for (int k : contacts)
 				separate(k);
 		}
 

@@ -117,31 +117,31 @@ namespace {
 		return widened;
 	}
 
-	/// A late contact as a contact of the step without points.
-	StepContact newContact(const Step& step, const FoundContact& late)
+	/// A found contact as a contact of the step without points.
+	StepContact newContact(const Step& step, const FoundContact& found)
 	{
 		const double size = contactSize(
-		        step.bodies[late.body1].shape, step.bodies[late.body2].shape);
-		return { late.body1, late.body2, 0, 0, -1, late.friction, late.restitution,
-			size, late.shift, step.cell.drift(late.shift) };
+		        step.bodies[found.body1].shape, step.bodies[found.body2].shape);
+		return { found.body1, found.body2, 0, 0, -1, found.friction, found.restitution,
+			size, found.shift, step.cell.drift(found.shift) };
 	}
 
 	/// Returns true if a point closes beyond the slop at the solved velocities. A new contact with
 	/// a large displacement also closes if its bodies meet on their curved paths.
-	bool closes(const Step& step, const FoundContact& late)
+	bool closes(const Step& step, const FoundContact& found)
 	{
-		if (late.manifold.count == 0) return false;
-		const StepContact contact = newContact(step, late);
-		if (!late.known && hasLargeDisplacement(step, contact)
-		        && meetOnPaths(step, contact, late.manifold.points[0].normal))
+		if (found.manifold.count == 0) return false;
+		const StepContact contact = newContact(step, found);
+		if (!found.known && hasLargeDisplacement(step, contact)
+		        && meetOnPaths(step, contact, found.manifold.points[0].normal))
 			return true;
-		const int body1 = late.body1, body2 = late.body2;
-		for (int k = 0; k < late.manifold.count; ++k) {
-			const ManifoldPoint& at = late.manifold.points[k];
+		const int body1 = found.body1, body2 = found.body2;
+		for (int k = 0; k < found.manifold.count; ++k) {
+			const ManifoldPoint& at = found.manifold.points[k];
 			ContactPoint         c;
 			c.normal       = at.normal;
 			c.arm1         = at.position - step.bodies[body1].center;
-			c.arm2         = at.position - (step.bodies[body2].center + late.shift);
+			c.arm2         = at.position - (step.bodies[body2].center + found.shift);
 			c.drift        = contact.drift;
 			const double u = relativeVelocity(
 			        c, step.problem.velocity[body1], step.problem.velocity[body2]).n;
@@ -182,7 +182,7 @@ namespace {
 		if (!canTouch(shape(id).kind, shape(other).kind)) return;
 		const StepBody &   one = step.bodies[id], &two = step.bodies[other];
 		const StepContact* contact = step.find(id, other);
-		FoundContact        found;
+		FoundContact       found;
 		found.body1    = id;
 		found.body2    = other;
 		found.shift    = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
@@ -227,7 +227,7 @@ namespace {
 
 	struct Entry {
 		StepContact        contact; // with its old number of the first point
-		const FoundContact* late; // null: unchanged
+		const FoundContact* found; // null: unchanged
 	};
 
 	/// Old and new contacts, sorted by bodies.
@@ -238,7 +238,7 @@ namespace {
 		for (const StepContact& c : step.contacts)
 			all.push_back({ c, nullptr });
 		for (const FoundContact& c : step.found) {
-			if (c.known) all[step.find(c.body1, c.body2) - step.contacts.data()].late = &c;
+			if (c.known) all[step.find(c.body1, c.body2) - step.contacts.data()].found = &c;
 			else
 				all.push_back({ newContact(step, c), &c });
 		}
@@ -293,17 +293,17 @@ static void collectContacts(Step& step, const ContactFilter& allowsContact)
 bool findLateContacts(Step& step, const ContactFilter& allowsContact)
 {
 	collectContacts(step, allowsContact);
-	// late contacts found after earlier solves may close at the present velocities
+	// contacts found after earlier solves may close at the present velocities
 	return std::any_of(step.found.begin(), step.found.end(),
-	        [&](const FoundContact& late) { return closes(step, late); });
+	        [&](const FoundContact& found) { return closes(step, found); });
 }
 
 std::vector<StepContact> contactsOfDisplaced(Step& step, const ContactFilter& allowsContact)
 {
 	collectContacts(step, allowsContact);
 	std::vector<StepContact> contacts;
-	for (const FoundContact& late : step.found)
-		if (!late.known) contacts.push_back(newContact(step, late));
+	for (const FoundContact& found : step.found)
+		if (!found.known) contacts.push_back(newContact(step, found));
 	return contacts;
 }
 
@@ -317,16 +317,16 @@ void addFoundContacts(Step& step)
 	std::vector<ContactPoint> points;
 	std::vector<LocalVector>  forces, impulses;
 	std::vector<Gap>          gaps;
-	for (const auto& [old, late] : entries(step)) {
+	for (const auto& [old, found] : entries(step)) {
 		StepContact c = old;
 		c.first       = int(points.size());
-		c.count       = late ? late->manifold.count : old.count;
+		c.count       = found ? found->manifold.count : old.count;
 		const std::array<Start, 2> start
-		        = startsOf(step, old, late ? &late->manifold : nullptr);
+		        = startsOf(step, old, found ? &found->manifold : nullptr);
 		for (int k = 0; k < c.count; ++k) {
-			const ManifoldPoint at = late ? late->manifold.points[k] : step.point(old, k);
+			const ManifoldPoint at = found ? found->manifold.points[k] : step.point(old, k);
 			const ContactPoint  initial = step.contactPoint(c, at);
-			points.push_back(late ? initial : step.problem.points[old.first + k]);
+			points.push_back(found ? initial : step.problem.points[old.first + k]);
 			if (restarted[c.body1] || restarted[c.body2]) points.back().bias = initial.bias;
 			impulses.push_back(step.dt * start[k].force);
 			forces.push_back(start[k].force);

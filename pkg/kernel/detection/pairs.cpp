@@ -61,24 +61,24 @@ void Pairs::addFoundContacts(const Step& step, long iteration)
 	list.reserve(all.size() + step.added.size());
 	for (const Pair& pair : all)
 		list.emplace_back(pair.body1, pair.body2);
-	for (const FoundContact& late : step.added)
-		list.emplace_back(late.body1, late.body2);
+	for (const FoundContact& found : step.added)
+		list.emplace_back(found.body1, found.body2);
 	std::sort(list.begin() + all.size(), list.end());
 	std::inplace_merge(list.begin(), list.begin() + all.size(), list.end());
 	list.erase(std::unique(list.begin(), list.end()), list.end());
 	assign(list);
-	for (const FoundContact& late : step.added) {
-		Pair& pair = *std::lower_bound(all.begin(), all.end(), late, precedes);
-		if (!late.known) {
-			pair.friction = late.friction, pair.restitution = late.restitution;
+	for (const FoundContact& found : step.added) {
+		Pair& pair = *std::lower_bound(all.begin(), all.end(), found, precedes);
+		if (!found.known) {
+			pair.friction = found.friction, pair.restitution = found.restitution;
 			pair.formedAt = iteration;
 		}
-		manifold[&pair - all.data()] = late.manifold;
-		pair.pointCount              = late.manifold.count;
+		manifold[&pair - all.data()] = found.manifold;
+		pair.pointCount              = found.manifold.count;
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		for (int k = 0; k < 2; ++k)
 			pair.along[k] = positionAlong(
-			        one.shape, one.pose(), two.pose(), late.manifold.points[k]);
+			        one.shape, one.pose(), two.pose(), found.manifold.points[k]);
 	}
 }
 

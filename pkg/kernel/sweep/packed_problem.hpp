@@ -100,7 +100,7 @@ private:
 	}
 
 	const PackedKernels*          kernels_       = nullptr;
-	const SweepKernels<float>* singleKernels_ = nullptr;
+	const SweepKernels<float>*    singleKernels_ = nullptr;
 	Layout                        layout_;
 	std::vector<double>           inverseGyration_; // 1/k of each body [1/m]
 

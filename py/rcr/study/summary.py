@@ -87,11 +87,14 @@ def _work(test):
         missed_fraction=missed / max(1, O.iter - progress["first_step"]),
         missed_mean=progress["missed_sum"] / max(1, missed), missed_max=progress["missed_max"],
         tolerance=test.parameters["tolerance"], run=test.run, wall_seconds=progress["wall_seconds"],
-        peak_memory_bytes=_peak_memory(),
+        peak_memory_bytes=memory("VmHWM"),
         threads=test.solver.threads or O.numThreads, version=rcr.__version__)
 
 
-def _peak_memory():
-    """Return the peak memory of this process [B]; `getrusage` would include that of its parent."""
+def memory(name):
+    """Return the memory of this process [B]: VmRSS at present, VmHWM at most.
+
+    `getrusage` would include the peak of its parent.
+    """
     status = pathlib.Path("/proc/self/status").read_text()
-    return 1024 * int(re.search(r"VmHWM:\s*(\d+) kB", status)[1])
+    return 1024 * int(re.search(rf"{name}:\s*(\d+) kB", status)[1])

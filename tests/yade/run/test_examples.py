@@ -96,6 +96,8 @@ def run(page, folder, before="", after=""):
 
 
 COUNTED = """
+import rcr
+from yade.wrapper import Omega
 def told(self, reset=Omega.reset):
     for engine in self.engines:
         if isinstance(engine, rcr.ContactDynamics):
@@ -109,8 +111,7 @@ Omega.reset = told
                          ids=lambda page: page.stem)
 def test_page(page, tmp_path):
     """Its code runs without a missed step, a deep overlap or a warning."""
-    before = f"import rcr\nfrom yade.wrapper import Omega{COUNTED}"
-    text = run(page, tmp_path, before, after="\nO.reset()\n")
+    text = run(page, tmp_path, before=COUNTED, after="\nO.reset()\n")
     assert "Traceback" not in text and "WARN" not in text and "UserWarning" not in text, text
     for missed, overlap in re.findall(r"^missed (\d+) overlap (\S+)$", text, re.M):
         assert int(missed) == 0 and float(overlap) < 0.005

@@ -208,7 +208,7 @@ struct PackedKernels : SweepKernels<double> {
 
 /// Scalar (`lanes` = 1) or AVX2 kernels (4), or with 8 and 0 the widest ones; those of AVX-512 have
 /// 16 lanes.
-const PackedKernels&          packedKernels(int lanes);
+const PackedKernels&       packedKernels(int lanes);
 const SweepKernels<float>& singleKernels(int lanes);
 
 } // namespace rcr
