@@ -93,6 +93,13 @@ static bool probeDivergence(
 	return isDivergent(probe, problem.impulse);
 }
 
+/// Also true if the growth is NaN or was not measured.
+static bool mayDiverge(const Report& report, const Settings& settings)
+{
+	return !(report.impulseGrowth <= divergentGrowth)
+	        && settings.maxIterations >= minIterationsToProbe;
+}
+
 static bool exceedsEnergyBound(const ContactProblem& problem, const Report& report)
 {
 	return mayExceedEnergyBound(report.dissipated, report.mass, report.freeSpeed)
@@ -110,9 +117,7 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 		if (mustYieldAt(problem, k, settings)) return true;
 	if (report.converged || settings.tolerance == 0) return false;
 	if (hasYielded(problem)) return true;
-	if (report.impulseGrowth <= divergentGrowth) return false;
-	return settings.maxIterations >= minIterationsToProbe
-	        && probeDivergence(problem, settings, workspace);
+	return mayDiverge(report, settings) && probeDivergence(problem, settings, workspace);
 }
 
 /// Returns true if `auto` runs exact steps as `exact` does.
@@ -279,7 +284,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		const bool isSmall = last - first <= smallProblem; // its floor may be finer
 		return (takesExactSteps(solver, settings)
 		               && (isSmall || island.iterations < settings.maxIterations))
-		        || (settings.mayYield() && island.impulseGrowth > divergentGrowth)
+		        || (settings.mayYield() && mayDiverge(island, settings))
 		        || hasPositiveCost(problem, first, last);
 	};
 	std::vector<Report> islands = std::move(report.islands);

@@ -40,6 +40,22 @@ def test_floats_alone_reach_their_rounding(problem, solver, residual):
     assert problem.solve(solver, max_iterations=12_000, **UNCHECKED)["residual"] < residual
 
 
+@pytest.mark.parametrize("solver", ["nesterov", "sor", "nlgs"])
+def test_rounding_does_not_accumulate(problem, solver):
+    """Floats come as close to the solution as doubles, but for 4e-7."""
+    end = problem.solve("nesterov", tolerance=1e-10, kinematic_tolerance=np.inf,
+                        max_iterations=60_000)
+    assert end["converged"]
+    noise = np.random.default_rng(0).normal(1, 1e-4, end["impulse"].shape)
+    floats = problem.copy("floats", impulse=noise * end["impulse"])
+    doubles = floats.copy("doubles", impulse=1e20 * floats["impulse"],  # beyond floats
+                          inverse_mass=1e-20 * floats["inverse_mass"])
+    for sweeps in (50, 100, 200, 399):  # less than to the next reference
+        residuals = [start.solve(solver, max_iterations=sweeps, **UNCHECKED)["residual"]
+                     for start in (floats, doubles)]
+        assert residuals[0] < 1.1 * residuals[1] + 4e-7, sweeps
+
+
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-10])
 def test_tolerances_are_met_in_doubles(problem, tolerance):
     """The finest one without friction alone: with friction sweeps may stall."""

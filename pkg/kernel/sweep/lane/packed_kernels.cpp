@@ -66,8 +66,13 @@ namespace {
 		const L beta = Real(momentum);
 		Sum     change2;
 		sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
-			const auto p = M::impulse(c, lane), y = addProduct(p, beta, p - M::oldImpulse(c, lane));
-			const auto q = newImpulse(c, lane, M::solve(c, lane, u, y)), change = q - y;
+			const auto p = M::impulse(c, lane), last = p - M::oldImpulse(c, lane),
+			           y = addProduct(p, beta, last);
+			const auto q = newImpulse(c, lane, M::solve(c, lane, u, y));
+			// q − y. Velocities contain y before rounding, and floats round p far more than its
+			// changes.
+			const auto change
+			        = relativeToReference ? addProduct(q - p, L(0.0) - beta, last) : q - y;
 			M::setOld(c, lane, p);
 			M::set(c, lane, q);
 			change2.add(lane, square(change));
