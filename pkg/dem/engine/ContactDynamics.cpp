@@ -158,7 +158,7 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 	timed("forces", [&] {
 		step_.setMemberVelocities();
 		step_.updateGradient(stretchBefore);
-		step_.computeForces(workspace_.team());
+		step_.computePointForces(workspace_.team());
 	});
 }
 

@@ -2,19 +2,19 @@
 //
 //   v⁺ = v⁻ + M⁻¹ (dt f + Jᵀ p)          f: gravity and forces of earlier engines [N per unit depth]
 //   0 ≤ u_n + b_n ⟂ p_n ≥ 0               u = J v⁺: relative velocity of a point [m/s]; p: impulse [N s]
-//   |p_t| ≤ µ p_n, opposite to sliding    b_n: gap/dt if open, e u_n⁻ if it rebounds, else 0 [m/s]
-// v⁻ and v⁺ are the velocities before and after the step, M the masses, e the restitution.
-//
+//   |p_t| ≤ µ p_n, opposite to sliding    b_n: bias [m/s]
+// b_n is gap/dt if the point is open or the step overdamped, e u_n⁻ if the point rebounds (e:
+// restitution), else 0. v⁻ and v⁺ are velocities before and after the step, M the masses.
 // Stages of a step, on arrays (kernel/step/step.hpp) from `gather` to `scatter`:
 //
 //   gather → [ solve → review ] repeated → correct → monitor → observe → scatter
 //
-// `gather` copies bodies, loads and contacts, and the last forces as initial impulses. The review
-// adds late contacts: contacts beyond the alert distances that close in the step. It adapts biases
-// to curved paths, and lowers restitution that adds energy. Each change requires another pass. The
-// correction is a displacement. `monitor` counts the step and throws at a jam. `scatter` adds the
-// forces p/dt and displaces the bodies; NewtonIntegrator moves them. In a run, the action may take
-// up to 100 further steps in arrays (ArraySteps). Source: Moreau 1988, 1999; Jean 1999.
+// `gather` copies bodies, loads and contacts, with the last forces as initial impulses. The review
+// adds late contacts (detection/late_contacts.hpp), adapts biases to curved paths, and lowers
+// restitution that adds energy; each change requires another pass. `correct` sets displacements.
+// `monitor` counts the step, and throws if driven bodies squeeze grains. In a run, up to 100 steps
+// in arrays may follow (ArraySteps). `scatter` adds the forces p/dt and the displacements to YADE's
+// bodies; NewtonIntegrator moves them. Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
 #include <thread>
@@ -85,7 +85,7 @@ public:
 		((Published<double>,unbalancedForce,0,Attr::readonly,"Mean net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
 		((Published<double>,largestUnbalancedForce,0,Attr::readonly,"Largest net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
 		((int,lanes,0,Attr::noSave,"Doubles per vector operation: 1, 4 or 8; 0: the processor's width. Results do not depend on it."))
-		((bool,arrays,true,,"Take steps in arrays while no engine reads YADE's objects. Results do not depend on it."))
+		((bool,arrays,true,,"Take steps in arrays where the scene allows it (docs/solvers.md). Results do not depend on it."))
 		((Real,meanForceChange,0,,"Also ends the solver, as converged, once the mean normal force changes relatively less than this in 10 sweeps [-]; 0: not used."))
 		((Vector2r,meanStretchRate,Vector2r::Zero(),Attr::hidden,"Stretch rates along x and y that trackMeanStretch adds to the flow [1/s]."))
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"Change of meanStretchRate in the last step [1/s]."))

@@ -105,7 +105,7 @@ double Step::roundingVelocity(ThreadTeam& team) const
 	});
 }
 
-void Step::computeForces(ThreadTeam& team)
+void Step::computePointForces(ThreadTeam& team)
 {
 	const double inverseDt = 1 / dt;
 	team.forEach(force.size(), [&](std::size_t k) { force[k] = inverseDt * problem.impulse[k]; });

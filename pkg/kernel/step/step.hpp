@@ -218,7 +218,7 @@ struct Step {
 	void               indexContacts();                  // computes firstContact
 	const StepContact* find(int body1, int body2) const; // null: no contact
 	double roundingVelocity(ThreadTeam&) const; // rounding error of the velocities [m/s]
-	void   computeForces(ThreadTeam&);          // from the impulses
+	void   computePointForces(ThreadTeam&);     // from the impulses
 
 	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before
 	/// it [1/s].
