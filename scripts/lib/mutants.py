@@ -126,6 +126,10 @@ TABLE = {
     "sweep/lane/lane.hpp": [
         ("min-in-the-other-order", "min_##type(a.value, b.value)", "min_##type(b.value, a.value)"),
     ],
+    "sweep/lane/packed_kernels.cpp": [
+        ("rounding-accumulates",
+         "relativeToReference ? addProduct(q - p, L(0.0) - beta, last) : q - y", "q - y"),
+    ],
     "sweep/lane/point_models.hpp": [
         ("slides-one-way", "max(min(t0, n0 * L::load(c.slidePlus() + lane))", "max(t0"),
         ("friction-without-coupling", "{ subtractProduct(n0, ratio, t), t };", "{ n0, t };"),

@@ -73,7 +73,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 			const UnbalancedForce unbalanced = unbalancedForceOf(step_);
 			unbalancedForce = unbalanced.mean, largestUnbalancedForce = unbalanced.largest;
 			if (scene->trackEnergy)
-				energy.enterLast(*scene->energy, step_, impulses,
+				energy.enterPrevious(*scene->energy, step_, impulses,
 				        plane::toPlane(engines.integrator->gravity));
 			scatter(*scene, team, impulses, handles_, step_);
 		});
@@ -168,7 +168,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
 	if (timed("lateContacts", [&] { return addLateContacts(*scene, engines, step_); })) {
 		// The last pass is not reviewed, so restitution could add energy. Overdamped steps need
 		// negative biases to remove overlaps.
-		if (pass == mostPasses - 1 && !overdamped) rcr::removeRestitution(step_);
+		if (pass == mostPasses - 1 && !overdamped) rcr::removeNegativeBiases(step_);
 		return PassOutcome::contactsAdded;
 	}
 	if (overdamped) return PassOutcome::consistent;

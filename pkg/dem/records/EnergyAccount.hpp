@@ -11,7 +11,7 @@ class EnergyAccount {
 public:
 	/// Enters the energies of the last step and computes the energies of this step. `impulses`: sum
 	/// of the contact impulses on each body [N s, N m s].
-	void enterLast(EnergyTracker& energy, const rcr::Step& step,
+	void enterPrevious(EnergyTracker& energy, const rcr::Step& step,
 	        const std::vector<rcr::PlanarVector>& impulses, rcr::Vec2 gravity)
 	{
 		const auto add = [&](const char* name, double work) {

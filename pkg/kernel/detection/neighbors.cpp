@@ -96,7 +96,7 @@ bool Neighbors::update(const Step& step, ThreadTeam& team)
 	if (same && moved_.size() <= few && wide_.size() + leave <= wideAtFirst_ + few)
 		repair(step, team);
 	else
-		find(step, team);
+		findAll(step, team);
 	return true;
 }
 
@@ -242,7 +242,7 @@ void Neighbors::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam
 	std::inplace_merge(list_.begin(), list_.begin() + before, list_.end());
 }
 
-void Neighbors::find(const Step& step, ThreadTeam& team)
+void Neighbors::findAll(const Step& step, ThreadTeam& team)
 {
 	reference_.resize(step.bodies.size());
 	team.forEach(reference_.size(), [&](std::size_t id) { setReference(id, step.bodies[id]); });

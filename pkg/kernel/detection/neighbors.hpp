@@ -40,7 +40,7 @@ private:
 	};
 
 	static double displacement(const Reference&, const StepBody&);
-	void  find(const Step&, ThreadTeam&);
+	void  findAll(const Step&, ThreadTeam&);
 	void  repair(const Step&, ThreadTeam&);
 	bool  findMovedBodies(const Step&, ThreadTeam&);
 	void  setReference(std::size_t id, const StepBody& body)

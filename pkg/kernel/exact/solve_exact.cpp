@@ -115,7 +115,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 		remember();
 		const PathEnd end = proximalStep(problem, proximal, rho, left() / settings.exactCost);
 		report.iterations += settings.exactCost * (1 + end.pivots);
-		if (mustYield()) return report.plusWorkOf(swept);
+		if (mustYield()) return report.plusCostOf(swept);
 		best.offer({ errorsOf(problem, settings.velocityFloor), problem.impulse }, settings);
 		if (!end.complete && left() > 0) {
 			const int most    = std::min(repairSweeps + pivotSweeps * end.pivots, left());
@@ -123,7 +123,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 			again.sameProblem = true;
 			remember();
 			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
-			if (mustYield()) return report.plusWorkOf(swept);
+			if (mustYield()) return report.plusCostOf(swept);
 		}
 	}
 	problem.impulse = best.impulse;
@@ -134,7 +134,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	report.dissipated     = dissipatedEnergy(problem);
 	report.impulseGrowth  = std::numeric_limits<double>::infinity(); // unknown after exact steps
 	report.converged      = report.meetsTolerances(settings);
-	return report.plusWorkOf(swept);
+	return report.plusCostOf(swept);
 }
 
 } // namespace rcr

@@ -60,7 +60,7 @@ struct Settings {
 
 	/// Returns true if residual and kinematic error meet their tolerances. Tolerance 0 is never
 	/// met.
-	bool accept(double residual, double error) const
+	bool areMet(double residual, double error) const
 	{
 		return tolerance > 0 && residual <= tolerance && error <= kinematicTolerance;
 	}

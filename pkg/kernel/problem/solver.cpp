@@ -182,7 +182,7 @@ static Report continueAuto(ContactProblem& problem, const Settings& settings, co
 			sweeps.sameProblem   = true;
 			sweeps.stallSweeps   = patience(problem.points.size());
 			sweeps.maxIterations = left() - fineIterations;
-			report               = solveNesterov(problem, sweeps, workspace).plusWorkOf(report);
+			report               = solveNesterov(problem, sweeps, workspace).plusCostOf(report);
 		}
 	}
 	if (fineIterations > 0) runExact(fineIterations, fine, residualMet ? 1 : cost);
@@ -213,7 +213,7 @@ static Report solveRigid(ContactProblem& problem, const std::string& solver,
 	if (std::isnan(swept.residual) && swept.iterations < settings.maxIterations) {
 		problem.impulse.assign(problem.points.size(), {}); // their squares overflow
 		swept = sweepTogether(problem, solver, remaining(settings, swept), workspace)
-		                .plusWorkOf(swept);
+		                .plusCostOf(swept);
 		if (swept.converged) return swept;
 	}
 	const Settings steps       = remaining(settings, swept);
@@ -247,7 +247,7 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	if (mustYield(rigid, problem, settings, workspace)) {
 		for (std::size_t body = 0; body < problem.yielded.size(); ++body)
 			problem.yielded[body] = !problem.prescribed(int(body));
-		return solveYielding(problem, settings, workspace).plusWorkOf(rigid);
+		return solveYielding(problem, settings, workspace).plusCostOf(rigid);
 	}
 	// mustYield covers problems whose contacts may yield
 	if (rigid.converged && !settings.mayYield() && !settings.solutionExists
@@ -260,7 +260,7 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	std::vector<std::int32_t> points(problem.points.size());
 	std::iota(points.begin(), points.end(), 0);
 	if (!hasPositiveCost(problem, points.begin(), points.end())) return rigid;
-	return solveFromZero(problem, settings, workspace).plusWorkOf(rigid);
+	return solveFromZero(problem, settings, workspace).plusCostOf(rigid);
 }
 
 /// Completes the islands that have not converged, or that may have no solution.

@@ -31,17 +31,17 @@ struct Report {
 	std::vector<Report> islands; // of each island, after sweeps
 
 	/// Returns true if the residual meets its tolerance. Tolerance 0 is never met.
-	bool meetsResidual(const Settings& s) const { return s.accept(residual, 0); }
+	bool meetsResidual(const Settings& s) const { return s.areMet(residual, 0); }
 
 	/// Returns true if residual and kinematic error meet their tolerances. Only the residual 0
 	/// meets the tolerance 0.
 	bool meetsTolerances(const Settings& s) const
 	{
-		return s.accept(residual, kinematicError) || (s.tolerance == 0 && residual == 0);
+		return s.areMet(residual, kinematicError) || (s.tolerance == 0 && residual == 0);
 	}
 
 	/// This report with the iterations and the work of an earlier one added.
-	Report plusWorkOf(const Report& before) const
+	Report plusCostOf(const Report& before) const
 	{
 		Report both = *this;
 		both.iterations += before.iterations;

@@ -101,7 +101,7 @@ bool lowerRestitutionOfYielded(Step& step, bool plastic)
 	return lowered;
 }
 
-void removeRestitution(Step& step)
+void removeNegativeBiases(Step& step)
 {
 	for (std::size_t k = 0; k < step.gap.size(); ++k) {
 		double& bias = step.problem.points[k].bias;

@@ -29,8 +29,8 @@ bool lowerPairRestitution(Step&);
 /// `plastic`: removes it. Returns true if a bias changed; contacts may then be solved as rigid.
 bool lowerRestitutionOfYielded(Step&, bool plastic);
 
-/// Removes all restitution. Without it, no step adds energy.
-void removeRestitution(Step&);
+/// Removes all restitution and the corrections that push bodies apart, so no step adds energy.
+void removeNegativeBiases(Step&);
 
 /// Lowers the restitution of collisions that add energy; `plastic`: to 0. `tolerance`: of the
 /// solver [-]. Returns true if a bias changed.

@@ -13,7 +13,7 @@ struct Criteria {
 
 	bool met(const Settings& settings) const
 	{
-		return settings.accept(residual, kinematicError)
+		return settings.areMet(residual, kinematicError)
 		        || meanForceChange < settings.meanForceChange;
 	}
 };

@@ -69,8 +69,7 @@ namespace {
 			const auto p = M::impulse(c, lane), last = p - M::oldImpulse(c, lane),
 			           y = addProduct(p, beta, last);
 			const auto q = newImpulse(c, lane, M::solve(c, lane, u, y));
-			// q − y. Velocities contain y before rounding, and floats round p far more than its
-			// changes.
+			// q − y. In floats it omits the rounding of y, which would accumulate in the velocities.
 			const auto change
 			        = relativeToReference ? addProduct(q - p, L(0.0) - beta, last) : q - y;
 			M::setOld(c, lane, p);
