@@ -128,7 +128,7 @@ TABLE = {
     ],
     "sweep/lane/packed_kernels.cpp": [
         ("rounding-accumulates",
-         "relativeToReference ? addProduct(q - p, L(0.0) - beta, last) : q - y", "q - y"),
+         "relativeToReference ? subtractProduct(q - p, beta, last) : q - y", "q - y"),
     ],
     "sweep/lane/point_models.hpp": [
         ("slides-one-way", "max(min(t0, n0 * L::load(c.slidePlus() + lane))", "max(t0"),

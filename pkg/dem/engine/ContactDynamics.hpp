@@ -5,8 +5,8 @@
 //   |p_t| ≤ µ p_n, opposite to sliding    b_n: bias [m/s]
 // b_n is gap/dt if the point is open or the step overdamped, e u_n⁻ if the point rebounds (e:
 // restitution), else 0. v⁻ and v⁺ are velocities before and after the step, M the masses.
-// Stages of a step, on arrays (kernel/step/step.hpp) from `gather` to `scatter`:
 //
+// Stages of a step, on arrays (kernel/step/step.hpp) from `gather` to `scatter`:
 //   gather → [ solve → review ] repeated → correct → monitor → observe → scatter
 //
 // `gather` copies bodies, loads and contacts, with the last forces as initial impulses. The review

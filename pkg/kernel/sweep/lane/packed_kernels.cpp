@@ -69,9 +69,8 @@ namespace {
 			const auto p = M::impulse(c, lane), last = p - M::oldImpulse(c, lane),
 			           y = addProduct(p, beta, last);
 			const auto q = newImpulse(c, lane, M::solve(c, lane, u, y));
-			// q − y. In floats it omits the rounding of y, which would accumulate in the velocities.
-			const auto change
-			        = relativeToReference ? addProduct(q - p, L(0.0) - beta, last) : q - y;
+			// q − y. In floats, the rounding of y would accumulate in the velocities.
+			const auto change = relativeToReference ? subtractProduct(q - p, beta, last) : q - y;
 			M::setOld(c, lane, p);
 			M::set(c, lane, q);
 			change2.add(lane, square(change));

@@ -43,6 +43,10 @@ struct Vector {
 	{
 		return { addProduct(a.n, s, b.n), addProduct(a.t, s, b.t) };
 	}
+	friend Vector subtractProduct(Vector a, L s, Vector b)
+	{
+		return { subtractProduct(a.n, s, b.n), subtractProduct(a.t, s, b.t) };
+	}
 	friend L square(Vector a) { return addProduct(a.n * a.n, a.t, a.t); }
 };
 
