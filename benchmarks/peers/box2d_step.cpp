@@ -2,7 +2,6 @@
 #include <box2d/box2d.h>
 
 #include <cmath>
-#include <map>
 
 #include "packing.hpp"
 
@@ -64,36 +63,26 @@ b2Body* add(b2World& world, const BodyRow& row, double friction, int id)
 	return body;
 }
 
-/// Contacts of one step: geometry before the step, impulses after it.
-class Listener : public b2ContactListener {
-public:
-	explicit Listener(const std::vector<b2Body*>& bodies)
-	{
-		for (const b2Body* body : bodies)
-			centre_.push_back(body->GetPosition());
-	}
-
-	void PreSolve(b2Contact* contact, const b2Manifold*) override { contact->GetWorldManifold(&touching_[contact]); }
-
-	void PostSolve(b2Contact* contact, const b2ContactImpulse* impulse) override
-	{
-		const b2WorldManifold& m  = touching_.at(contact);
-		const int              b1 = id(contact->GetFixtureA()), b2 = id(contact->GetFixtureB());
-		for (int k = 0; k < impulse->count; ++k) {
-			const b2Vec2 r1 = m.points[k] - centre_[b1], r2 = m.points[k] - centre_[b2];
-			contacts.push_back({ b1, b2, m.normal.x, m.normal.y, r1.x, r1.y, r2.x, r2.y, contact->GetFriction(), impulse->normalImpulses[k],
-			                     -impulse->tangentImpulses[k], m.separations[k] }); // its tangent: normal turned by −90°
+/// Contacts of the last step: a manifold has its geometry, by the places before it, and its impulses.
+std::vector<ContactRow> contactRows(b2World& world, const std::vector<b2Transform>& places)
+{
+	const auto              idOf = [](b2Fixture* fixture) { return int(fixture->GetBody()->GetUserData().pointer); };
+	std::vector<ContactRow> rows;
+	for (b2Contact* contact = world.GetContactList(); contact; contact = contact->GetNext()) {
+		b2Fixture *       fixture1 = contact->GetFixtureA(), *fixture2 = contact->GetFixtureB();
+		const int         b1 = idOf(fixture1), b2 = idOf(fixture2);
+		const b2Manifold& manifold = *contact->GetManifold();
+		b2WorldManifold   m;
+		m.Initialize(&manifold, places[b1], fixture1->GetShape()->m_radius, places[b2], fixture2->GetShape()->m_radius);
+		for (int k = 0; k < manifold.pointCount; ++k) {
+			const b2ManifoldPoint& impulse = manifold.points[k];
+			const b2Vec2           r1 = m.points[k] - places[b1].p, r2 = m.points[k] - places[b2].p;
+			rows.push_back({ b1, b2, m.normal.x, m.normal.y, r1.x, r1.y, r2.x, r2.y, contact->GetFriction(), impulse.normalImpulse, -impulse.tangentImpulse,
+			                 m.separations[k] }); // its tangent: normal turned by −90°
 		}
 	}
-
-	std::vector<ContactRow> contacts;
-
-private:
-	static int id(b2Fixture* fixture) { return int(fixture->GetBody()->GetUserData().pointer); }
-
-	std::vector<b2Vec2>                   centre_;
-	std::map<b2Contact*, b2WorldManifold> touching_;
-};
+	return rows;
+}
 
 std::vector<Velocity> velocities(const std::vector<b2Body*>& bodies)
 {
@@ -103,48 +92,28 @@ std::vector<Velocity> velocities(const std::vector<b2Body*>& bodies)
 	return result;
 }
 
-class Simulation {
-public:
-	explicit Simulation(const Task& task) : task_(task), world_(b2Vec2_zero)
-	{
-		world_.SetContinuousPhysics(false);
-		for (const BodyRow& row : task.bodies)
-			bodies.push_back(add(world_, row, task.friction, int(bodies.size())));
-	}
-
-	void step()
-	{
-		for (std::size_t i = 0; i < bodies.size(); ++i)
-			if (task_.bodies[i].mass > 0) bodies[i]->ApplyForceToCenter(vect(task_.bodies[i].fx, task_.bodies[i].fy), true);
-		world_.Step(float(task_.dt), task_.iterations, positionIterations);
-	}
-
-	void listen(b2ContactListener& listener) { world_.SetContactListener(&listener); }
-
-	std::vector<b2Body*> bodies;
-
-private:
-	const Task& task_;
-	b2World     world_;
-};
-
 Outcome run(const Task& task)
 {
+	b2World world(b2Vec2_zero);
+	world.SetContinuousPhysics(false);
+	std::vector<b2Body*> bodies;
+	for (const BodyRow& row : task.bodies)
+		bodies.push_back(add(world, row, task.friction, int(bodies.size())));
+
 	char name[32];
 	std::snprintf(name, sizeof name, "Box2D %d.%d.%d", b2_version.major, b2_version.minor, b2_version.revision);
-	Outcome    outcome { name, {}, {}, {}, {} };
-	Simulation timed(task), listed(task); // the listener costs time
-	for (int k = 0; k < task.steps; ++k)
-		outcome.seconds.push_back(secondsOf([&] { timed.step(); }));
-
-	for (int k = 1; k < task.steps; ++k)
-		listed.step();
-	Listener listener(listed.bodies);
-	listed.listen(listener);
-	outcome.before = velocities(listed.bodies);
-	listed.step();
-	outcome.after    = velocities(listed.bodies);
-	outcome.contacts = listener.contacts;
+	Outcome                  outcome { name, {}, {}, {}, {} };
+	std::vector<b2Transform> places(bodies.size());
+	for (int step = 0; step < task.steps; ++step) {
+		for (std::size_t i = 0; i < bodies.size(); ++i) {
+			places[i] = bodies[i]->GetTransform();
+			if (task.bodies[i].mass > 0) bodies[i]->ApplyForceToCenter(vect(task.bodies[i].fx, task.bodies[i].fy), true);
+		}
+		outcome.before = velocities(bodies);
+		outcome.seconds.push_back(secondsOf([&] { world.Step(float(task.dt), task.iterations, positionIterations); }));
+	}
+	outcome.after    = velocities(bodies);
+	outcome.contacts = contactRows(world, places);
 	return outcome;
 }
 

@@ -71,8 +71,7 @@ Outcome run(const Task& task)
 	for (const BodyRow& row : task.bodies)
 		bodies.push_back(add(space, row, task.friction, int(bodies.size())));
 
-	Outcome             outcome { std::string("Chipmunk ") + cpVersionString, {}, {}, {}, {} };
-	std::vector<cpVect> positions(bodies.size());
+	Outcome outcome { std::string("Chipmunk ") + cpVersionString, {}, {}, {}, {} };
 	for (int step = 0; step < task.steps; ++step) {
 		for (std::size_t i = 0; i < bodies.size(); ++i)
 			if (task.bodies[i].mass > 0) cpBodySetForce(bodies[i], vect(task.bodies[i].fx, task.bodies[i].fy));
