@@ -83,16 +83,12 @@ def sweep_rows(case, repeats, threads):
 def tolerance_rows(case, solver, warm, options):
     """Time and iterations to each tolerance, from large to small, up to the first not reached."""
     for tolerance in sorted(options.tolerances, reverse=True):
-
-        def run():
-            found = case.solve(warm, solver=solver, tolerance=tolerance,
-                               max_iterations=options.max_iterations)
-            return dict(found, seconds=found["processor_seconds"])
-
+        run = partial(case.solve, warm, solver=solver, tolerance=tolerance,
+                      max_iterations=options.max_iterations)
         (found,) = measure.best(options.repeats, options.budget, run)
         reached = bool(found["residual"] <= tolerance)
         yield dict(case.about, solver=solver, start="warm" if warm else "cold", tolerance=tolerance,
-                   iterations=found["iterations"], seconds=found["seconds"],
+                   iterations=found["iterations"], seconds=found["processor_seconds"],
                    residual=found["residual"], residual_numpy=case.residual(found["impulse"]),
                    reached=reached)
         if not reached:

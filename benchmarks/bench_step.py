@@ -95,7 +95,7 @@ def peer_rows(name, program, packing, options):
 
     count = options.iterations
     runs = least(FEW, 1), least(MANY, 1), least(count, 1), least(count, options.steps)
-    few, many, cold, warm = measure.best(options.repeats, options.budget, *runs)
+    few, many, cold, warm = measure.best(options.repeats, options.budget, *runs, by="seconds")
     points = len(cold["contacts"])
     if not points:
         raise ValueError(f"{name} finds no contact in {options.present}; give a dense packing")
@@ -120,21 +120,16 @@ def our_rows(packing, options):
     delassus = BodyProblem(**arrays).delassus()
     matrix = measure.matrix(delassus)
     for solver in "nlgs", "nesterov":
-        workspace = kernel.Workspace()
-
-        def run(count):
-            settings = dict(solver=solver, tolerance=0, max_iterations=count, check_interval=10**9,
-                            kinematic_tolerance=np.inf, workspace=workspace)
-            found = kernel.solve(**arrays, **settings)
-            return dict(found, seconds=found["processor_seconds"])
-
-        runs = (partial(run, count) for count in (FEW, MANY, options.iterations))
-        few, many, found = measure.best(5 * options.repeats, options.budget, *runs)
-        an_iteration = (many["seconds"] - few["seconds"]) / (MANY - FEW)
+        solve = partial(kernel.solve, **arrays, solver=solver, kinematic_tolerance=np.inf,
+                        workspace=kernel.Workspace())
+        limits = 5 * options.repeats, options.budget
+        ((_, ns),) = measure.sweep_times([(problem.contacts, solve)], *limits)
+        (found,) = measure.best(*limits, partial(solve, tolerance=0, check_interval=10**9,
+                                                 max_iterations=options.iterations))
         residual = measure.residual(matrix, delassus.q, delassus.friction, found["impulse"])
         yield dict(points=problem.contacts, library=f"rcr {solver}", start="cold", covers="solver",
-                   ns=1e9 * an_iteration / problem.contacts, residual=residual,
-                   **step_times(found["seconds"], an_iteration, options))
+                   ns=ns, residual=residual, **step_times(
+                       found["processor_seconds"], 1e-9 * ns * problem.contacts, options))
 
 
 def compare_libraries(options):

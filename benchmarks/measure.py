@@ -6,6 +6,7 @@ Needs NumPy and SciPy.
 import os
 import time
 from functools import partial
+from operator import itemgetter
 
 import numpy as np
 
@@ -50,13 +51,12 @@ def rounds(repeats, budget, functions):
             break
 
 
-def best(repeats, budget, *functions):
-    """The fastest result of each function, a number of seconds or a dict with ``seconds``."""
-    seconds = lambda result: result["seconds"] if isinstance(result, dict) else result
-    return [min(results, key=seconds) for results in zip(*rounds(repeats, budget, functions))]
+def best(repeats, budget, *functions, by="processor_seconds"):
+    """The result of each function, a dict, with the shortest time."""
+    return [min(results, key=itemgetter(by)) for results in zip(*rounds(repeats, budget, functions))]
 
 
-def sweep_times(runs, repeats):
+def sweep_times(runs, repeats, budget=60):
     """Wall-clock and processor time a point and sweep, (runs, 2) [ns]; a run is (points, solve)."""
 
     def run(solve, count):
@@ -67,7 +67,7 @@ def sweep_times(runs, repeats):
     many = FEW + np.maximum(40, UNITS_OF_WORK // points)
     calls = [partial(run, solve, int(count)) for (_, solve), most in zip(runs, many)
              for count in (FEW, most)]
-    least = np.min([*rounds(repeats, 60, calls)], axis=0)
+    least = np.min([*rounds(repeats, budget, calls)], axis=0)
     return 1e9 * (least[1::2] - least[::2]) / ((many - FEW) * points)[:, None]
 
 

@@ -155,7 +155,7 @@ def run(name, options):
     seeds = [int(numbers[0])] if law == "reference" else range(RUNS if scene == "column" else 1)
     repeats = 1 if scene == "column" else 3
     simulate = lambda seed: partial(_simulate, scene, seed=seed, **setting)
-    runs = [measure.best(repeats, math.inf, simulate(seed))[0] for seed in seeds]
+    runs = [measure.best(repeats, math.inf, simulate(seed), by="seconds")[0] for seed in seeds]
     means = {key: float(np.mean([found[key] for found in runs]))
              for key in ("steps", "dt", "value", "seconds")}
     return [dict(setting, scene=scene, law=law, **means, reference=runs[0]["reference"])]
