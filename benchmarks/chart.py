@@ -15,7 +15,6 @@ settings are not run again, so an interrupted call resumes. A larger --limit rep
 out of time. Times are processor time of one thread.
 """
 
-import contextlib
 import io
 import json
 import multiprocessing
@@ -73,53 +72,41 @@ def command(letter, point, given):
 
 # ---- the process that computes
 
-def work(pipe, other_end, options):
-    """Answer each (chart, point) of a pipe by its rows; YADE and libraries print nothing."""
-    other_end.close()
+def work(pipe, letter, point, options):
+    """Send the rows of a point; YADE and libraries print nothing."""
     with open(os.devnull, "w") as nothing:
         os.dup2(nothing.fileno(), 1)
         os.dup2(nothing.fileno(), 2)
-    with contextlib.suppress(EOFError):
-        while True:
-            letter, point = pipe.recv()
-            try:
-                rows = [dict(status="ok") | row for row in charts.chart(letter).run(point, options)]
-            except (ValueError, RuntimeError, OSError) as error:
-                rows = [dict(status=f"{type(error).__name__}: {error}".splitlines()[0][:200])]
-            pipe.send(rows)
+    try:
+        rows = [dict(status="ok") | row for row in charts.chart(letter).run(point, options)]
+    except (ValueError, RuntimeError, OSError) as error:
+        rows = [dict(status=f"{type(error).__name__}: {error}".splitlines()[0][:200])]
+    pipe.send(rows)
 
 
-class Worker:
-    """A separate process for the points, which a time limit or a crash of YADE may end."""
-
-    def __init__(self, options):
-        self.options, self.process = options, None
-
-    def run(self, letter, point):
-        """Rows of a point; on a time limit or a crash, one row with its status."""
-        if self.process is None:
-            self.pipe, end = multiprocessing.Pipe()
-            self.process = multiprocessing.get_context("fork").Process(
-                target=work, args=(end, self.pipe, self.options), daemon=True)
-            self.process.start()
-            end.close()
-        self.pipe.send((letter, point))
-        try:
-            if self.pipe.poll(self.options.limit):
-                return self.pipe.recv()
-            status = f"{charts.GIVEN_UP}{self.options.limit:g} s"
-            self.process.kill()
-            self.process.join()
-        except EOFError:
-            self.process.join()
-            status = f"the process ended with code {self.process.exitcode}"
-        self.process = None
-        return [dict(status=status)]
+def computed(letter, point, options):
+    """Rows of a point from its own process; one row with a status on a time limit or a crash."""
+    pipe, end = multiprocessing.Pipe(duplex=False)
+    process = multiprocessing.get_context("fork").Process(
+        target=work, args=(end, letter, point, options), daemon=True)
+    process.start()
+    end.close()
+    try:
+        if pipe.poll(options.limit):
+            return pipe.recv()
+        status = f"{charts.GIVEN_UP}{options.limit:g} s"
+        process.kill()
+    except EOFError:
+        process.join()
+        status = f"the process ended with code {process.exitcode}"
+    finally:
+        process.join()
+    return [dict(status=status)]
 
 
 # ---- the script
 
-def draw(letter, given, options, worker):
+def draw(letter, given, options):
     """Run the missing points of a chart, write its CSV and draw it."""
     module = charts.chart(letter)
     base = os.path.join(options.out, f"{letter}-{charts.NAMES[letter].replace('_', '-')}")
@@ -135,7 +122,7 @@ def draw(letter, given, options, worker):
         todo = [name for name in names if not table.has(name, is_settled)]
     for name in tqdm(todo, desc=f"chart {letter}", disable=None):
         rows = [dict(row, point=name, command=command(letter, name, given))
-                for row in worker.run(letter, name)]
+                for row in computed(letter, name, options)]
         table.put(name, rows)
         if given.only:
             print(json.dumps(rows, indent=2))
@@ -144,11 +131,12 @@ def draw(letter, given, options, worker):
         image = io.BytesIO()
         figure.savefig(image, format=suffix, dpi=110, bbox_inches="tight")
         files.write(f"{base}.{suffix}", image.getvalue())
+    found = [row for row in table.rows if row["status"] == "ok"]
     if hasattr(module, "ratios"):
-        print("\n".join(map(" | ".join, module.ratios(table.rows))))
-    failed = [row for row in table.rows if row["status"] != "ok"]
+        print("\n".join(map(" | ".join, module.ratios(found))))
+    failed = len(table.rows) - len(found)
     print(f"{base}.png: {len(table.rows)} rows"
-          + (f", {len(failed)} without numbers (column status)" if failed else ""))
+          + (f", {failed} without numbers (column status)" if failed else ""))
 
 
 def main():
@@ -158,7 +146,6 @@ def main():
     with results.claim_folder(options.out, "chart.py", parameters, [], free=list(parameters),
                               resume=True, wait=True) as begin:
         begin()  # several calls may fill a folder; each row has its settings
-    worker = Worker(options)
     for letter in given.charts:
         with results.lock_folder(options.out, f".lock-{letter}"):
-            draw(letter, given, options, worker)
+            draw(letter, given, options)

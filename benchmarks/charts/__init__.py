@@ -5,7 +5,8 @@ Each module of this package is a chart:
     points(options)             names of its points, in the order of their runs
     run(name, options)          rows (dicts) of one point; most have one
     plot(rows, options)         the figure
-    ratios(rows)                rows of a table that compares methods (not in d)
+    ratios(rows)                rows of a table that compares methods (not in d), from rows with
+                                numbers
     COLUMNS                     columns of the CSV between `point` and `command`
     DEPENDS                     names of the `Options` that its numbers depend on
 

@@ -110,7 +110,7 @@ def ratios(rows):
     """Table of the time of each library over that of `auto`: least – largest (number of pairs)."""
     least = {}  # (residual, library, problem and start): seconds
     for row in rows:
-        for level in LEVELS if row["status"] == "ok" else ():
+        for level in LEVELS:
             key = level, row["library"], (row["particles"], row["eta"], row["start"])
             if row["residual"] <= level:
                 least[key] = min(row["seconds"], least.get(key, np.inf))
