@@ -4,6 +4,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from scipy.sparse import coo_array, csc_array, csr_array
 
 
 def npz(problem):
@@ -29,53 +30,46 @@ def write(path, step, change=None):
 
 def write_fclib(path, w, q, mu, storage="columns", change=None):
     """Write FCLIB's local problem as columns, rows or triplets; `change(group)` damages it."""
-    by_columns, triplets = storage == "columns", storage == "triplets"
-    outer, inner = np.nonzero(w.T if by_columns else w)
-    row, column = (inner, outer) if by_columns else (outer, inner)
-    nz = len(row) if triplets else -1 if by_columns else -2
-    pointers = row if triplets else np.searchsorted(outer, np.arange(len(w) + 1))
-    values = dict(nzmax=[len(row)], m=[len(w)], n=[len(w)], nz=[nz], p=pointers, i=inner)
+    matrix = dict(columns=csc_array, rows=csr_array, triplets=coo_array)[storage](w)
+    nz = dict(columns=-1, rows=-2, triplets=matrix.nnz)[storage]
+    pointers, inner = ((matrix.row, matrix.col) if storage == "triplets"
+                       else (matrix.indptr, matrix.indices))
+    values = dict(nzmax=[matrix.nnz], m=[len(w)], n=[len(w)], nz=[nz], p=pointers, i=inner)
     with h5py.File(path, "w") as file:
         group = file.create_group("fclib_local")
         group["spacedim"] = np.array([2], np.int32)
         for name, value in values.items():
             group[f"W/{name}"] = np.array(value, np.int32)
-        group["W/x"], group["vectors/q"], group["vectors/mu"] = w[row, column], q.ravel(), mu
+        group["W/x"], group["vectors/q"], group["vectors/mu"] = matrix.data, q.ravel(), mu
         if change:
             change(group)
 
 
 def write_siconos(path, w, q, mu, storage="columns"):
     """Siconos' text format: a dense matrix, rows of 2×2 blocks, CSparse columns or triplets."""
-    size, text = len(w), []
-    number = lambda x: f"{x:.17e}"
+    size, nc = len(w), len(w) // 2
+    numbers = lambda values: [f"{x:.17e}" for x in values.ravel()]
+    tabs = lambda values: "\t".join(map(str, values))
     if storage == "dense":
-        text += ["0", size, size, f"{size}\t{size}", " ".join(map(number, w.T.ravel()))]
+        text = ["0", size, size, tabs([size, size]), " ".join(numbers(w.T))]
     elif storage == "blocks":
-        nc = size // 2
-        blocks = [[j for j in range(nc) if w[2 * i : 2 * i + 2, 2 * j : 2 * j + 2].any() or i == j]
-                  for i in range(nc)]
-        ends = "\t".join(str(2 * i + 2) for i in range(nc))
-        count = np.cumsum([0] + [len(row) for row in blocks])
-        text += ["1", size, size, count[-1], nc, nc, ends, ends, nc + 1, count[-1],
-                 "\t".join(map(str, count)), "\t".join(str(j) for row in blocks for j in row)]
-        for i, row in enumerate(blocks):
-            for k, j in enumerate(row, count[i]):
-                text += [k, *(number(x) for x in w[2 * i : 2 * i + 2, 2 * j : 2 * j + 2].T.ravel())]
+        blocks = w.reshape(nc, 2, nc, 2).swapaxes(1, 2)
+        row, column = np.nonzero(blocks.any((2, 3)) | np.eye(nc, dtype=bool))
+        ends = tabs(range(2, size + 1, 2))
+        text = ["1", size, size, len(row), nc, nc, ends, ends, nc + 1, len(row),
+                tabs(np.searchsorted(row, range(nc + 1))), tabs(column)]
+        for k, place in enumerate(zip(row, column)):
+            text += [k, *numbers(blocks[place].T)]
     else:
-        column, row = np.nonzero(w.T)
-        triplets = storage == "triplets"
-        text += ["2", size, size, 1 if triplets else 2, "CSparse Version 3.1.9, May 4, 2016.  "
-                 "Copyright (c) Timothy A. Davis, 2006-2016"]
-        text += [f"{'triplet: ' * triplets}{size}-by-{size}, nzmax: {len(row)} nnz: {len(row)}"
-                 + ("" if triplets else ", 1-norm: 1")]
-        for j in range(size):
-            places = np.flatnonzero(column == j)
+        matrix, triplets = csc_array(w), storage == "triplets"
+        text = ["2", size, size, 1 if triplets else 2, "CSparse Version 3.1.9, May 4, 2016.  "
+                "Copyright (c) Timothy A. Davis, 2006-2016",
+                f"{'triplet: ' * triplets}{size}-by-{size}, nzmax: {matrix.nnz} nnz: {matrix.nnz}"
+                + ("" if triplets else ", 1-norm: 1")]
+        for j, (begin, end) in enumerate(zip(matrix.indptr, matrix.indptr[1:])):
             if not triplets:
-                text += [f"    col {j} : locations {places[0] if len(places) else 0} to "
-                         f"{places[-1] if len(places) else -1}"]
-            text += [f"      {f'{row[k]} {j}' if triplets else row[k]} : {number(w[row[k], j])}"
-                     for k in places]
-    Path(path).write_text(
-        "\n".join(map(str, [2, size // 2, *text, " ".join(map(number, q.ravel())),
-                            " ".join(map(number, mu))])) + "\n")
+                text += [f"    col {j} : locations {begin} to {end - 1}"]
+            text += [f"      {f'{row} {j}' if triplets else row} : {x}" for row, x in
+                     zip(matrix.indices[begin:end], numbers(matrix.data[begin:end]))]
+    text += [" ".join(numbers(q)), " ".join(numbers(mu))]
+    Path(path).write_text("\n".join(map(str, [2, nc, *text])) + "\n")

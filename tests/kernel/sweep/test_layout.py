@@ -38,16 +38,13 @@ def spindle(layers):
 
 @pytest.fixture(scope="module", params=PROBLEMS)
 def case(request):
+    """A problem and its layout, with the fixed bodies and the island of each pair."""
     problem = PROBLEMS[request.param]()
     arrays = "pairs", "islands", "sections", "chunks", "blocks1", "blocks2", "records"
-    return problem, {key: np.array(value) if key in arrays else value
-                     for key, value in _kernel.layout(ALL, **problem).items()}
-
-
-def kinds(problem):
-    m = problem["inverse_mass"]
-    fixed = ~m.any(1)
-    return fixed, (m[:, 0] == m[:, 1]) & (m[:, 0] > 0)
+    layout = {key: np.array(value) if key in arrays else value
+              for key, value in _kernel.layout(ALL, **problem).items()}
+    fixed = ~problem["inverse_mass"].any(1)
+    return problem, layout | dict(fixed=fixed, of=islands_of(fixed, layout["pairs"]))
 
 
 def test_pairs_join_neighbouring_points(case):
@@ -65,9 +62,8 @@ def test_pairs_join_neighbouring_points(case):
     np.testing.assert_array_equal(layout["pairs"][:, :3], pairs)
 
 
-def islands_of(problem, pairs):
+def islands_of(fixed, pairs):
     """The island of each pair, in the order of their first pairs; −1 between driven bodies."""
-    fixed, _ = kinds(problem)
     free = pairs[~fixed[pairs[:, :2]].any(1)]
     graph = coo_array((np.ones(len(free)), free[:, :2].T), (len(fixed), len(fixed)))
     part, number = connected_components(graph, directed=False)[1], {}
@@ -78,20 +74,17 @@ def islands_of(problem, pairs):
 
 def test_islands_are_the_connected_parts(case):
     """Driven bodies do not connect; islands are in the order of their first pairs."""
-    problem, layout = case
-    pairs = layout["pairs"]
-    of = islands_of(problem, pairs)
-    points = [pairs[of == k, 2].sum() for k in range(of.max() + 1)]
-    np.testing.assert_array_equal(layout["islands"][:, 0], points)
-    np.testing.assert_array_equal(
-        layout["islands"][:, 1], [(of == k).sum() > MANY_PAIRS for k in range(of.max() + 1)])
+    _, layout = case
+    parts = [layout["pairs"][layout["of"] == k] for k in range(layout["of"].max() + 1)]
+    expected = [(part[:, 2].sum(), len(part) > MANY_PAIRS) for part in parts]  # points, shared
+    np.testing.assert_array_equal(layout["islands"][:, :2], expected)
 
 
 def test_every_pair_has_a_slot_or_is_overflow(case):
     """Special bodies and small islands are overflow; pairs of driven bodies have no place."""
     problem, layout = case
-    fixed, regular = kinds(problem)
-    pairs, of = layout["pairs"], islands_of(problem, layout["pairs"])
+    m, pairs, of = problem["inverse_mass"], layout["pairs"], layout["of"]
+    regular = (m[:, 0] == m[:, 1]) & (m[:, 0] > 0)
     slots = pairs[:, 4]
     with_slot = slots[slots != NO_SLOT]
     assert len(np.unique(with_slot)) == len(with_slot)
@@ -99,7 +92,7 @@ def test_every_pair_has_a_slot_or_is_overflow(case):
         assert sorted(overflow) == overflow, "in the order of the problem"
         np.testing.assert_array_equal(overflow, np.flatnonzero((of == island) & (slots == NO_SLOT)))
     small = np.isin(of, np.flatnonzero(np.bincount(of[of >= 0]) <= FEW_PAIRS))
-    special = ~(fixed | regular)[pairs[:, :2]].all(1) | (of < 0)
+    special = ~(layout["fixed"] | regular)[pairs[:, :2]].all(1) | (of < 0)
     assert (slots[small | special] == NO_SLOT).all()
     if problem.name == "hub":  # one colour per pair
         assert (slots != NO_SLOT).sum() == COLOURS
@@ -109,9 +102,8 @@ def test_every_pair_has_a_slot_or_is_overflow(case):
 
 def test_a_pair_takes_the_lowest_colour_that_is_free_at_both_bodies(case):
     """Driven bodies take none. The chunks of a section are in the order of their colours."""
-    problem, layout = case
-    fixed, _ = kinds(problem)
-    chunks = layout["chunks"].tolist()
+    _, layout = case
+    fixed, chunks = layout["fixed"], layout["chunks"].tolist()
     of_block = [number for number, chunk in enumerate(chunks) for _ in range(chunk[1])]
     taken, found = {}, {}  # colours at a body of a section; (section, colour, …) of each chunk
     for *bodies, points, model, slot in layout["pairs"].tolist():
@@ -128,24 +120,23 @@ def test_a_pair_takes_the_lowest_colour_that_is_free_at_both_bodies(case):
     assert order == sorted(set(order)) and len(order) == len(chunks)
 
 
-def bodies_of(problem, layout, chunks):
+def bodies_of(layout, chunks):
     """Free bodies of the pairs in these chunks, with repetitions."""
-    fixed, _ = kinds(problem)
     blocks = np.concatenate(
         [np.arange(first, first + count) for first, count, *_ in chunks] or [np.empty(0, int)])
     slots = layout["pairs"][:, 4]
     bodies = layout["pairs"][np.isin(slots // WIDTH, blocks) & (slots != NO_SLOT), :2].ravel()
-    return bodies[~fixed[bodies]]
+    return bodies[~layout["fixed"][bodies]]
 
 
 def test_chunks_and_sections_swept_at_once_share_no_moving_body(case):
     """Partitions, then interfaces; the records of a partition belong to its bodies alone."""
-    problem, layout = case
+    _, layout = case
     chunks, records = layout["chunks"], layout["records"]
     for chunk in chunks:
-        bodies = bodies_of(problem, layout, [chunk])
+        bodies = bodies_of(layout, [chunk])
         assert len(np.unique(bodies)) == len(bodies), f"chunk {chunk}"
-    moving = lambda section: bodies_of(problem, layout, chunks[chunks[:, 4] == section])
+    moving = lambda section: bodies_of(layout, chunks[chunks[:, 4] == section])
     for partitions_begin, partitions_end, *interfaces in layout["islands"][:, 3:]:
         for begin, end in (partitions_begin, partitions_end), interfaces:
             bodies = [np.unique(moving(section)) for section in range(begin, end)]
@@ -187,11 +178,9 @@ def test_blocks_have_one_model_and_number_of_points(case):
 
 def test_records(case):
     """A free body has one record; each driven side and each empty slot has a separate one."""
-    problem, layout = case
-    fixed, _ = kinds(problem)
-    pairs, sides = layout["pairs"], np.empty((2, 0))
-    if len(layout["blocks1"]):
-        sides = np.stack([layout["blocks1"].ravel(), layout["blocks2"].ravel()])
+    _, layout = case
+    fixed, pairs = layout["fixed"], layout["pairs"]
+    sides = np.stack([layout["blocks1"].ravel(), layout["blocks2"].ravel()])
     placed = pairs[pairs[:, 4] != NO_SLOT]
     own = np.ones(sides.shape, bool)
     for side in range(2):
