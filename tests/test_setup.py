@@ -81,7 +81,7 @@ class Machine:
         self.command("apt-cache", f'case "$*" in *policy*) echo "  Candidate: {version}" ;; '
                      f'*) echo "Version: {version}" ;; esac')
 
-    def archive(self, version="2025.2.0"):
+    def archive(self, version):
         """apt-get delivers YADE's source archive, and nothing else."""
         source = self.path / "trunk" / "core"
         source.mkdir(parents=True)
@@ -89,12 +89,6 @@ class Machine:
         tar = self.path / f"yade_{version}.orig.tar.bz2"
         subprocess.run(["tar", "-cjf", tar, "-C", self.path, "trunk"], check=True)
         self.command("apt-get", f'case "$*" in *" source "*) cp {tar} . ;; esac')
-
-    def headers(self):
-        """A folder with the sources of a YADE."""
-        (self.path / "core").mkdir()
-        (self.path / "core" / "Scene.hpp").touch()
-        return str(self.path)
 
     def root_tools(self, mmdebstrap=SMALL_ROOT):
         """The tools for a root file system, with `mmdebstrap` as the shell code of that command."""
@@ -261,12 +255,15 @@ def test_a_wrong_prefix_is_refused(own_yade):
 
 # Native
 
-def test_native_takes_the_headers_from_the_source_archive_once(machine):
-    machine.installed()
-    machine.archive()
-    machine.assert_sets_up("native")
-    assert (machine.cache / "source-2025.2.0" / "core" / "Scene.hpp").exists()
-    assert not list(machine.cache.glob("new.*"))
+@pytest.mark.parametrize("version", ["2022.01a", "2023.02a", "2025.2.0", "2026.1.0"])
+def test_native_takes_the_headers_of_the_installed_yade_once(machine, version):
+    machine.debian("forky")
+    machine.installed(f"{version}-3build1")
+    machine.archive(version)
+    source = machine.cache / f"source-{version}"
+    machine.succeeds("ready; echo $way; native_source", f"native\n{source}\n")
+    assert any(f"yade={version}-3build1" in call for call in machine.called("apt-get"))
+    assert (source / "core" / "Scene.hpp").exists() and not list(machine.cache.glob("new.*"))
     machine.command("apt-get", "exit 1")
     machine.calls.write_text("")
     assert machine.succeeds("ready") == ""
@@ -294,31 +291,18 @@ def test_without_the_archive_or_with_an_older_yade_a_root_file_system_is_taken(m
     machine.assert_sets_up("rootfs")
 
 
-@pytest.mark.parametrize("version", ["2022.01a", "2023.02a", "2025.2.0", "2026.1.0"])
-def test_the_installed_version_of_yade_is_used(machine, version):
-    machine.debian("forky")
-    machine.installed(f"{version}-3build1")
-    machine.archive(version)
-    machine.succeeds("ready; echo $way; native_source",
-                     f"native\n{machine.cache}/source-{version}\n")
-    assert any(f"yade={version}-3build1" in call for call in machine.called("apt-get"))
-
-
-def test_headers_that_the_user_names_are_used(machine):
-    machine.installed("2023.02a-1")
-    headers = machine.headers()
-    machine.succeeds("ready; echo $way; native_source", f"native\n{headers}\n",
-                     YADE_SOURCE_DIR=headers)
-    assert not machine.called("apt-get")
-    assert "none has no core/Scene.hpp" in machine.refuses(YADE_SOURCE_DIR=f"{machine.path}/none")
-
-
 def test_headers_that_the_user_names_replace_a_root_file_system(machine):
     machine.root_tools()
     machine.assert_sets_up("rootfs")
     machine.installed("2023.02a-1")
     machine.succeeds("ready; echo $way", "rootfs\n")
-    machine.succeeds("ready; echo $way", "native\n", YADE_SOURCE_DIR=machine.headers())
+    machine.calls.write_text("")
+    (machine.path / "core").mkdir()
+    (machine.path / "core" / "Scene.hpp").touch()
+    machine.succeeds("ready; echo $way; native_source", f"native\n{machine.path}\n",
+                     YADE_SOURCE_DIR=str(machine.path))
+    assert not machine.called("apt-get")
+    assert "none has no core/Scene.hpp" in machine.refuses(YADE_SOURCE_DIR=f"{machine.path}/none")
 
 
 def test_without_headers_no_package_is_installed(machine):
@@ -495,12 +479,6 @@ def test_inside_it_nothing_is_entered_again(machine):
 
 # Packages: an index that names files the mirror does not have
 
-def install(machine, apt_get):
-    (machine.path / "list").write_text("yade\ng++\n? python3-tqdm: progress bars\n")
-    machine.command("apt-get", apt_get)
-    return machine.run(f"{machine.repo}/scripts/lib/setup/install-packages {machine.path}/list")
-
-
 HOLE = ('echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  '
         'Not Found [IP: 1]"; exit 100')
 
@@ -518,7 +496,9 @@ case "$*" in *install*g++*) grep -q "^Pin: version 4:14.2-1+b1" $pins || {{ {HOL
 ])
 def test_required_packages_are_installed_together(machine, apt_get, complete, words):
     """A missing file is named and another version tried; messages name what is lost."""
-    code, _, errors = install(machine, apt_get)
+    (machine.path / "list").write_text("yade\ng++\n? python3-tqdm: progress bars\n")
+    machine.command("apt-get", apt_get)
+    code, _, errors = machine.run("$setup/install-packages list")
     assert (code == 0) == complete and all(word in errors for word in words), errors
     assert complete or "g++" in last_line(errors)
     assert machine.called("apt-get")[1].endswith("install --no-install-recommends yade g++")
@@ -541,23 +521,15 @@ def test_failed_configurations_and_builds_show_everything_and_are_done_again(mac
     assert any("-DYADE_SOURCE_DIR=" in call for call in machine.called("cmake")[1:])
 
 
-def test_another_environment_wipes_the_build(machine):
-    assert build(machine, "exit 0")[0] == 0
-    stale = machine.repo / "build" / "stale"
-    stale.touch()
-    for version, kept in ("2025.2.0", True), ("2026.1.0", False):
-        build(machine, "exit 0", version)
-        assert stale.exists() == kept
-
-
-def test_a_moved_clone_is_built_anew(machine):
+def test_another_environment_or_a_moved_clone_wipes_the_build(machine):
     """CMake's cache holds absolute paths."""
-    build(machine, "exit 0")
-    moved = machine.path / "moved"
-    machine.repo.rename(moved)
-    (moved / "build" / "stale").touch()
-    machine.repo = moved
-    assert build(machine, "exit 0")[0] == 0 and not (moved / "build" / "stale").exists()
+    assert build(machine, "exit 0")[0] == 0
+    for version, folder, kept in (("2025.2.0", "repo", True), ("2026.1.0", "repo", False),
+                                  ("2026.1.0", "moved", False)):
+        (machine.repo / "build" / "stale").touch()
+        machine.repo = machine.repo.rename(machine.path / folder)
+        assert build(machine, "exit 0", version)[0] == 0
+        assert (machine.repo / "build" / "stale").exists() == kept
 
 
 def test_a_second_build_waits_for_one_that_has_work(machine):
