@@ -1,5 +1,6 @@
 """Scenes for the tests: engines, bodies, and results."""
 
+import functools
 import os
 import sys
 
@@ -48,6 +49,9 @@ def build(*bodies, dt=1e-3, cell=None, **options):
         O.cell.setBox(cell, cell, cell)
     O.engines = engines(**options)
     return [O.bodies.append(body) for body in bodies]
+
+
+weightless = functools.partial(build, gravity=(0, 0, 0))
 
 
 def springs(*bodies, share=0.02, local_damping=0.0, **options):
@@ -198,7 +202,7 @@ def shrinking_cell():
     rng = np.random.default_rng(0)
     grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
                            0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
-    build(*grains, cell=1.0, gravity=(0, 0, 0), tolerance=1e-8)
+    weightless(*grains, cell=1.0, tolerance=1e-8)
     O.cell.velGrad = plane(-4, 0.5, 0, -4)
     steps(100)
 
@@ -226,6 +230,14 @@ def pressed_box(make=build, friction=0.3, **options):
              rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
     # the exact tier solves 1e-6
     make(*walls, *grains, gravity=(0, 0, 0), before=press, **options or dict(tolerance=1e-6))
+
+
+def squeezed(*others):
+    """Discs of R = 0.1 m: a driven one presses another on a fixed one; `others` lie apart."""
+    rough = material(0.3)
+    disc = lambda x, y, **more: rcr.disc((x, y), 0.1, material=rough, **more)
+    weightless(disc(0, 0, fixed=True), disc(0, 0.2), disc(0, 0.4, fixed=True, velocity=(0, -0.1)),
+               *(disc(*at, velocity=velocity) for at, velocity in others), tolerance=1e-4)
 
 
 def heap(seed=0):

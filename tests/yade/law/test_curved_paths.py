@@ -7,7 +7,7 @@ import pytest
 import rcr
 from rcr import particle
 from scenes import (build, calls, gaps, insert, kinetic, material, open_box, set_state, solver,
-                    steps, velocity, walls)
+                    steps, velocity, walls, weightless)
 from yade import O, utils
 
 R = 0.01
@@ -18,10 +18,10 @@ def test_a_rod_that_is_spun_up_rolls_over_its_support(dt):
     """A rod rests on a fixed disc. A disc hits its far end at 2 m/s and spins it up."""
     grain = material(0.5)
     cap, speed = 0.3 * R, 2.0
-    build(particle((0, 0), R=R, eta=0, fixed=True, material=grain),
-          particle((0, R + cap), R=R, eta=0.7, material=grain),
-          particle((0.8 * R, 2 * R + 2 * cap + 0.5 * speed * dt), R=R, eta=0, material=grain,
-                   velocity=(0, -speed)), dt=dt, gravity=(0, 0, 0), tolerance=1e-4)
+    weightless(particle((0, 0), R=R, eta=0, fixed=True, material=grain),
+               particle((0, R + cap), R=R, eta=0.7, material=grain),
+               particle((0.8 * R, 2 * R + 2 * cap + 0.5 * speed * dt), R=R, eta=0, material=grain,
+                        velocity=(0, -speed)), dt=dt, tolerance=1e-4)
     before = kinetic()
     for _ in range(int(0.02 / dt)):
         O.step()
@@ -53,23 +53,21 @@ def dropped(rng, grain):
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_violent_scenes_end_their_steps_without_overlap(scene, seed):
     """Paths up to 0.4 R in a step."""
-    build(*scene(np.random.default_rng(seed), material(0.5)), dt=1e-3, tolerance=1e-4)
+    build(*scene(np.random.default_rng(seed), material(0.5)), tolerance=1e-4)
     O.run(800, True)
     assert solver().deepestOverlap < 5e-3
 
 
 def test_a_step_that_would_double_the_energy_is_refused():
     """Twenty rods at 20 radii a step in a box, restitution 0.9."""
-    rng, dt = np.random.default_rng(29), 1e-3
-    speed, grain = 20 * R / dt, material(0.3)
+    rng, speed, grain = np.random.default_rng(29), 20 * R / 1e-3, material(0.3)
     rods = []
     for k in range(20):
         way = rng.uniform(0, 2 * math.pi)
-        rods.append(particle((k % 5 * 3 * R, k // 5 * 3 * R), R=R, eta=0.5, angle=rng.uniform(0, 3),
-                             velocity=(speed * math.cos(way), speed * math.sin(way)),
-                             material=grain))
-    build(*rods, *walls(grain, x=(-2 * R, 14 * R), y=(-2 * R, 11 * R)), dt=dt, gravity=(0, 0, 0),
-          restitution=0.9, tolerance=1e-4)
+        rods.append(particle((k % 5 * 3 * R, k // 5 * 3 * R), R, 0.5, rng.uniform(0, 3), grain,
+                             velocity=(speed * math.cos(way), speed * math.sin(way))))
+    weightless(*rods, *walls(grain, x=(-2 * R, 14 * R), y=(-2 * R, 11 * R)), restitution=0.9,
+               tolerance=1e-4)
     before = kinetic()
     with pytest.raises(RuntimeError, match="would add more kinetic energy than the bodies had"):
         for _ in range(100):
@@ -105,8 +103,8 @@ def momentum(bodies, centers):
 def run_collision(seed):
     """Largest relative error of momenta, gain of energy, overlap of 20 steps; True if they met."""
     rng = np.random.default_rng(seed)
-    build(*collision(rng), dt=1e-3, gravity=(0, 0, 0), tolerance=1e-8, maxIterations=20000,
-          restitution=rng.choice([0, rng.uniform(), 1]))
+    weightless(*collision(rng), tolerance=1e-8, maxIterations=20000,
+               restitution=rng.choice([0, rng.uniform(), 1]))
     first = kinetic()
     scale = sum(b.state.mass * (b.state.vel.norm() + abs(b.state.angVel[2]) * R) for b in O.bodies)
     error, gain, met = 0.0, 0.0, False
@@ -150,7 +148,7 @@ def press(seed, *others):
                        velocity=tuple(rng.uniform((-1, -1), (1, 0)) * R / dt),
                        angular_velocity=rng.choice([-1, 1]) * rng.uniform(0.5, 2) / dt)
     floor = utils.facet([(-3, 0, -1), (3, 0, -1), (0, 0, 1)], material=grain)
-    build(floor, pressed, turning, *others, dt=dt, gravity=(0, 0, 0), tolerance=1e-4)
+    weightless(floor, pressed, turning, *others, dt=dt, tolerance=1e-4)
     O.step()
     if min(gaps(), default=0) < 0 or solver().missedSteps > solver().yieldedSteps:
         return 0
@@ -198,7 +196,7 @@ def test_overlaps_of_other_bodies_do_not_count_as_missed_steps(place):
 def test_a_turning_clump_meets_a_disc_on_its_curved_path(angle, slide):
     """Its first velocity would miss the disc; with `slide`, the head starts at rest."""
     grain, dt, head = material(0.5), 1e-3, np.array((0.1, 0))
-    build(dt=dt, gravity=(0, 0, 0), tolerance=1e-4)
+    weightless(dt=dt, tolerance=1e-4)
     hammer, _ = rcr.clump([particle((s * 0.1, 0), R=0.01, eta=0, material=grain) for s in (-1, 1)])
     velocity = np.array((0, -slide * angle / dt * head[0]))
     O.bodies[hammer].state.vel = (*velocity, 0)
@@ -214,8 +212,7 @@ def test_a_turning_clump_meets_a_disc_on_its_curved_path(angle, slide):
 def test_the_first_step_of_a_clump_meets_what_is_near():
     """YADE gives members the velocity of their clump only when it moves them."""
     grain, dt = material(0.5), 1e-3
-    build(particle((0, 0), R=R, eta=0, fixed=True, material=grain), dt=dt, gravity=(0, 0, 0),
-          tolerance=1e-4)
+    weightless(particle((0, 0), R=R, eta=0, fixed=True, material=grain), dt=dt, tolerance=1e-4)
     clump, _ = rcr.clump([particle((s * R, 2.2 * R), R=R, eta=0, material=grain) for s in (0, 2)])
     O.bodies[clump].state.vel = (0, -0.5 * R / dt, 0)
     O.step()
@@ -253,7 +250,7 @@ def test_rods_do_not_pass_through_walls_unnoticed(radii, sense):
     for _ in range(40):
         start = (rng.uniform(0.5, 1.5) * radii * r + r, 0)
         rod = rcr.particle(start, r, 0.9, rng.uniform(0, math.pi), material(0.3))
-        build(rod, rcr.wall("x", 0, sense, material=material(0.3)), dt=dt, gravity=(0, 0, 0))
+        weightless(rod, rcr.wall("x", 0, sense, material=material(0.3)), dt=dt)
         set_state(0, vel=(-radii * r / dt, rng.uniform(-1, 1) * r / dt, 0),
                   angVel=(0, 0, rng.uniform(-1, 1) / dt))
         steps(4)
@@ -271,12 +268,12 @@ def test_the_last_pass_of_a_step_is_separated_too():
     driven = particle((2.3 * R, 2.3 * R), R, 0.7, angle=1.4, velocity=(-100 * R, 100 * R),
                       material=grain)
     driven.state.blockedDOFs = "xyzXYZ"
-    build(disc(0, 2.3, 0.3, 5.6), driven, disc(0, 6.9, 0, 0),
-          particle((4.6 * R, 6.9 * R), R, 0.9, material=grain),
-          particle((0, 9.2 * R), 0.8 * R, 0, material=grain), disc(2.3, 9.2, 5.1, -2.3),
-          disc(4.6, 9.2, -5.2, -1.9), *walls(grain, x=(-1.2 * R, 8.1 * R)),
-          rcr.wall("y", 12.7 * R, -1, material=grain), gravity=(0, 0, 0), restitution=1.0,
-          tolerance=1e-4, maxIterations=300)
+    weightless(disc(0, 2.3, 0.3, 5.6), driven, disc(0, 6.9, 0, 0),
+               particle((4.6 * R, 6.9 * R), R, 0.9, material=grain),
+               particle((0, 9.2 * R), 0.8 * R, 0, material=grain), disc(2.3, 9.2, 5.1, -2.3),
+               disc(4.6, 9.2, -5.2, -1.9), *walls(grain, x=(-1.2 * R, 8.1 * R)),
+               rcr.wall("y", 12.7 * R, -1, material=grain), restitution=1.0, tolerance=1e-4,
+               maxIterations=300)
     steps(2)
     assert solver().deepestOverlap < 5e-3
 
@@ -302,8 +299,8 @@ def test_two_rods_collide_alike_in_either_order():
         velocities = []
         for first in (0, 1):
             rough = material(0.3)
-            ids = build(*(particle(eta=0.7, material=rough, **rods[k]) for k in (first, 1 - first)),
-                        gravity=(0, 0, 0), restitution=restitution, tolerance=1e-10)
+            pair = (particle(eta=0.7, material=rough, **rods[k]) for k in (first, 1 - first))
+            ids = weightless(*pair, restitution=restitution, tolerance=1e-10)
             O.step()
             velocities.append(velocity(ids[first]))
         assert velocities[0] == pytest.approx(velocities[1], rel=1e-6)
@@ -336,9 +333,8 @@ def carry_off():
 def test_a_contact_without_points_has_passed_nothing():
     """A script moves a rod off its contact, while another contact, of the opposite normal, forms."""
     grain = material(0)
-    build(rcr.disc((0, 0), 0.1, grain, fixed=True), rcr.particle((0.4, 0), 0.3, 2 / 3, 0, grain),
-          rcr.disc((3, 0), 0.1, grain, fixed=True), rcr.disc((3, 0.22), 0.1, grain),
-          gravity=(0, 0, 0))
+    weightless(rcr.disc((0, 0), 0.1, grain, fixed=True), particle((0.4, 0), 0.3, 2 / 3, 0, grain),
+               rcr.disc((3, 0), 0.1, grain, fixed=True), rcr.disc((3, 0.22), 0.1, grain))
     O.step()
     insert(3, calls(carry_off, 1, initRun=True))
     O.step()

@@ -8,7 +8,8 @@ import pytest
 import rcr
 from benchmarks.hard_scenes import driven
 from rcr import particle
-from scenes import build, heap, iterations, material, refused, set_state, solver, steps
+from scenes import (build, heap, iterations, material, refused, set_state, solver, squeezed, steps,
+                    weightless)
 from yade import O
 from yade.wrapper import Body
 
@@ -47,8 +48,8 @@ def struck_row(count, speed, gap, **options):
     """Discs of R = 0.01 in a line, and a wall that moves towards them across the gap [m]."""
     smooth = material(0)
     grains = [rcr.disc((0.02 * k, 0), R=0.01, material=smooth) for k in range(count)]
-    build(rcr.wall("x", -0.01 - gap, sense=1, velocity=speed, material=smooth), *grains, dt=1e-4,
-          gravity=(0, 0, 0), **options)
+    weightless(rcr.wall("x", -0.01 - gap, sense=1, velocity=speed, material=smooth), *grains,
+               dt=1e-4, **options)
 
 
 def assert_speed_of_discs(speed):
@@ -122,9 +123,8 @@ def test_a_first_driven_contact_that_was_missed_yields_too():
     driven = rcr.disc((0.4 * R, -2.05 * R), R, material=smooth)
     rod.state.blockedDOFs, driven.state.blockedDOFs = "xyzXY", "xyzXYZ"
     driven.state.vel = (0, 5 * R, 0)
-    build(rod, driven, rcr.disc((8 * R, 2.02 * R), R, velocity=(0, -2000 * R),
-                                material=material(0, density=1e5)),
-          gravity=(0, 0, 0), tolerance=1e-4)
+    heavy = rcr.disc((8 * R, 2.02 * R), R, material(0, density=1e5), velocity=(0, -2000 * R))
+    weightless(rod, driven, heavy, tolerance=1e-4)
     O.step()
     assert solver().yielded
 
@@ -133,23 +133,14 @@ def test_all_passes_of_a_squeeze_have_ten_times_the_sweeps():
     """A disc hits a row, which takes several passes, while two other discs overlap or do not."""
     R, smooth, taken = 0.01, material(0), {}
     for second in (1.9, 2.1):
-        build(*(rcr.disc((x * R, y * R), R, material=smooth)
-                for x, y in ((0, 10), (second, 10), (0, 0), (2.5, 0), (4.7, 0))),
-              gravity=(0, 0, 0), tolerance=0, maxIterations=10, solver="nlgs", correction=0)
+        weightless(*(rcr.disc((x * R, y * R), R, material=smooth)
+                     for x, y in ((0, 10), (second, 10), (0, 0), (2.5, 0), (4.7, 0))),
+                   tolerance=0, maxIterations=10, solver="nlgs", correction=0)
         O.step()
         set_state(2, vel=(1000 * R, 0, 0))
         taken[second], = iterations(1)
     assert taken[2.1] > 10, "the step has one pass: the test tests nothing"
     assert taken[1.9] == 10 * taken[2.1]
-
-
-def squeezed(*others):
-    """Discs of R = 0.1 m: a driven one presses another on a fixed one; `others` lie apart."""
-    rough = material(0.3)
-    disc = lambda x, y, **more: rcr.disc((x, y), 0.1, material=rough, **more)
-    build(disc(0, 0, fixed=True), disc(0, 0.2), disc(0, 0.4, fixed=True, velocity=(0, -0.1)),
-          *(disc(*at, velocity=velocity) for at, velocity in others), gravity=(0, 0, 0),
-          tolerance=1e-4)
 
 
 def test_yielding_contacts_push_no_bodies_that_do_not_meet():
@@ -164,10 +155,10 @@ def test_an_impact_is_no_jam_of_a_slow_drive():
     """A fast disc of a long row hits a wall while the last disc is driven slowly."""
     smooth = material(0.3)
     discs = [rcr.disc((0.25 * k, 0), 0.1, smooth) for k in range(30)]
-    build(rcr.wall("x", -1, 1, material=smooth), *discs,
-          rcr.disc((-0.899, 0), 0.1, smooth, velocity=(-2, 0)),
-          rcr.disc((7.45, 0), 0.1, smooth, fixed=True, velocity=(-1e-3, 0)), gravity=(0, 0, 0),
-          dt=2e-3, tolerance=1e-4)
+    weightless(rcr.wall("x", -1, 1, material=smooth), *discs,
+               rcr.disc((-0.899, 0), 0.1, smooth, velocity=(-2, 0)),
+               rcr.disc((7.45, 0), 0.1, smooth, fixed=True, velocity=(-1e-3, 0)), dt=2e-3,
+               tolerance=1e-4)
     O.step()
     assert not solver().yielded
     assert O.bodies[31].state.vel[0] == pytest.approx(-0.5, rel=1e-6)  # closes the gap of 1 mm
@@ -177,8 +168,8 @@ def test_an_impact_is_no_jam_of_a_slow_drive():
 def test_a_prescribed_component_that_closes_a_contact_is_a_jam(eta, angle, blocked):
     """The floor stops a grain whose velocity along y is prescribed, but free along x."""
     rough = material(0.3)
-    build(rcr.wall("y", 0, 1, material=rough), particle((0, 0.1), 0.1, eta, angle, rough),
-          gravity=(0, 0, 0), tolerance=1e-4)
+    weightless(rcr.wall("y", 0, 1, material=rough), particle((0, 0.1), 0.1, eta, angle, rough),
+               tolerance=1e-4)
     lowest = 0.1 * (1 - eta + eta * math.sin(angle))
     set_state(1, blockedDOFs=blocked, vel=(0, -1, 0), pos=(0, lowest + 1e-3, 0))
     steps(1)

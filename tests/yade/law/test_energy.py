@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import rcr
 from scenes import (G, LAWS, build, grain_on_floor, material, set_state, solver, springy, stadium,
-                    steps, velocity, walls)
+                    steps, velocity, walls, weightless)
 from yade import O, utils
 
 
@@ -72,9 +72,8 @@ def test_a_bounce_with_slip_reversal_never_lowers_an_account(mu, restitution):
     """A long grain falls on its end: impact and friction together take a positive energy."""
     for angle in np.linspace(0.1, 1.4, 8):
         m = material(friction=mu)
-        build(rcr.wall("y", 0, material=m), stadium(0.018, 0.002, (0, 0.03), angle=angle,
-                                                    velocity=(0.2, -1), material=m),
-              gravity=(0, 0, 0), dt=1e-4, restitution=restitution)
+        grain = stadium(0.018, 0.002, (0, 0.03), angle=angle, velocity=(0.2, -1), material=m)
+        weightless(rcr.wall("y", 0, material=m), grain, dt=1e-4, restitution=restitution)
         off, dissipated = run(400)
         assert never_gives(dissipated, 1e-6) and off < 1e-6
 
@@ -94,7 +93,7 @@ def test_two_fast_grains_gain_nothing_in_a_step():
             a = rng.choice([0, 0.05, 0.09])
             place = side * rng.uniform(0.03, 0.13), rng.uniform(-0.05, 0.05)
             grains.append(stadium(a, 0.1 - a, place, material=material(0), **motion(rng, 20, 150)))
-        build(*grains, dt=1e-3, gravity=(0, 0, 0), solver="exact", tolerance=1e-8)
+        weightless(*grains, solver="exact", tolerance=1e-8)
         before = utils.kineticEnergy()
         O.step()
         gained.append(utils.kineticEnergy() / before - 1)
@@ -106,9 +105,9 @@ def test_two_fast_grains_gain_nothing_in_a_step():
 def test_two_points_that_stick_bounce_as_one(slip, solver_name):
     """Only the sum of their tangential impulses is determined; it stops the slip, e = 1."""
     rough = material(0.3)
-    _, rod = build(rcr.wall("y", 0, +1, material=rough),
-                   rcr.particle((0, 0.05), 0.1, 0.5, material=rough, velocity=(slip, -3)),
-                   gravity=(0, 0, 0), restitution=1, solver=solver_name)  # fmt: skip
+    _, rod = weightless(rcr.wall("y", 0, +1, material=rough),
+                        rcr.particle((0, 0.05), 0.1, 0.5, material=rough, velocity=(slip, -3)),
+                        restitution=1, solver=solver_name)
     O.step()
     assert velocity(rod) == pytest.approx([0, 3, 0], abs=1e-3)
 
@@ -127,12 +126,12 @@ def test_a_closing_speed_of_rounding_is_no_impact(rounding):
 @pytest.mark.parametrize("restitution", [0.9, 1])
 def test_a_thin_grain_between_two_others_is_no_lever(restitution):
     """At 0.18 rad a step a blow at one end must not throw it against the contact that opens."""
-    build(*(stadium(a, r, at, angle, velocity=v, angular_velocity=turn, material=material(0))
-            for a, r, at, angle, v, turn in (
+    weightless(*(stadium(a, r, at, angle, velocity=v, angular_velocity=turn, material=material(0))
+                 for a, r, at, angle, v, turn in (
         (0.0023, 0.0053, (-0.0467, -0.0212), -0.13409, (0.2726, -0.2826), 17.16),
         (0.0053, 0.0003, (-0.03757, -0.0252), 1.65572, (-1.918, 0.1254), 366.1),
         (0, 0.0107, (-0.02526, -0.02173), 2.54758, (-0.07956, 0.08846), 3.954))),
-        dt=5e-4, gravity=(0, 0, 0), restitution=restitution, tolerance=1e-8)  # fmt: skip
+        dt=5e-4, restitution=restitution, tolerance=1e-8)  # fmt: skip
     before = utils.kineticEnergy()
     O.step()
     assert sum(i.phys.normalForce.norm() > 0 for i in O.interactions) == 2
@@ -150,7 +149,7 @@ def test_an_elastic_impact_of_two_grains_keeps_their_energy():
                           angular_velocity=rng.uniform(-10, 10))
             grains.append(stadium(0.008, 0.002, (side * 0.013, rng.uniform(-0.006, 0.006)),
                                   material=material(0), **motion))
-        build(*grains, dt=1e-3, gravity=(0, 0, 0), restitution=1, tolerance=1e-10)
+        weightless(*grains, restitution=1, tolerance=1e-10)
         before, velocity = utils.kineticEnergy(), tuple(O.bodies[0].state.vel)
         O.run(30, True)
         kept.append(utils.kineticEnergy() / before)
@@ -163,9 +162,9 @@ def test_an_elastic_impact_of_two_grains_keeps_their_energy():
 def test_a_gap_narrower_than_the_way_of_a_step_is_no_jam(restitution):
     """A disc between two walls at rest: both bounces fall into one step, which has a solution."""
     m, R, gap = material(0), 0.01, 1e-4
-    *_, disc = build(*walls(m, x=(-R - gap, R + gap)),
-                     stadium(0, R, (0, 0), velocity=(1, 0), material=m), dt=1e-3,
-                     gravity=(0, 0, 0), restitution=restitution)
+    *_, disc = weightless(*walls(m, x=(-R - gap, R + gap)),
+                          stadium(0, R, (0, 0), velocity=(1, 0), material=m),
+                          restitution=restitution)
     steps(50)
     assert solver().yieldedSteps == 0 and solver().deepestOverlap < 1e-3
     assert abs(O.bodies[disc].state.vel[0]) < 1
@@ -182,8 +181,8 @@ def test_a_cloud_gains_nothing_in_a_step(restitution, friction):
             half, eta = rng.uniform(0.005, 0.0115), rng.choice([0, 0.3, 0.7, 0.95])
             grains.append(rcr.particle((0.013 + 0.026 * (i % 6), 0.013 + 0.026 * (i // 6)), half,
                                        eta, material=m, **motion(rng, 1, 300)))
-        build(*walls(m, x=(0, 0.156), y=(0, 0.156)), *grains, dt=5e-4, gravity=(0, 0, 0),
-              restitution=restitution, tolerance=1e-8)
+        weightless(*walls(m, x=(0, 0.156), y=(0, 0.156)), *grains, dt=5e-4,
+                   restitution=restitution, tolerance=1e-8)
         kinetic = [utils.kineticEnergy()]
         for _ in range(100):
             O.step()
@@ -211,9 +210,8 @@ def test_shear_between_driven_walls():
 def test_the_position_correction_of_a_wall_is_bounded(mass):
     """As that of a grain, by 1e-4 R in a step."""
     smooth = material(0)
-    build(rcr.disc((0, 0), 0.1, smooth, fixed=True),
-          rcr.mobile_wall("y", 0.095, mass, sense=-1, material=smooth), gravity=(0, 0, 0),
-          dt=1e-4, tolerance=1e-4)
+    weightless(rcr.disc((0, 0), 0.1, smooth, fixed=True),
+               rcr.mobile_wall("y", 0.095, mass, -1, smooth), dt=1e-4, tolerance=1e-4)
     steps(2)
     assert 0 < O.bodies[1].state.pos[1] - 0.095 <= 2.001e-5
 

@@ -1,11 +1,9 @@
 """Motion without inertia: every step starts from rest or from a homogeneous flow."""
 
-import math
-
 import numpy as np
 import pytest
 import rcr
-from scenes import build, material, plane, refused, solver, stadium
+from scenes import build, material, plane, solver, stadium
 from yade import O
 from yade.minieigenHP import Matrix3, Vector3
 
@@ -74,20 +72,6 @@ def test_a_common_motion_has_no_drag_in_a_tracked_flow():
     assert tuple(solver().model["mean_stretch_rate"]) == (0, 0)
     # a vanished drag is removed from the impulses: five sweeps alone reach five contacts
     assert abs(pressed_row(True, 2, count=100, last=5, rate=-1e-3)) < 0.05
-
-
-FLOW = "ContactDynamics.flow is not zero; expected finite entries, and overdamped = True"
-
-
-@pytest.mark.parametrize("overdamped, track, rate, message", [
-    (False, True, 0, "ContactDynamics.trackMeanStretch = True; expected overdamped = True"),
-    (False, False, 0.1, FLOW), (True, False, math.nan, FLOW), (True, False, math.inf, FLOW),
-])  # fmt: skip
-def test_a_flow_that_cannot_be_is_refused(overdamped, track, rate, message):
-    (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)), flow=plane(rate, 0, 0, 0))
-    solver.overdamped, solver.trackMeanStretch = overdamped, track
-    refused(message, O.step)
-    assert tuple(body.state.pos) == (1, 2, 0)
 
 
 def test_a_last_pass_still_removes_overlaps():

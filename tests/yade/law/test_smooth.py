@@ -10,7 +10,7 @@ import yade.utils
 from rcr.study.biaxial import Biaxial
 from scenes import (G, KN, KS, build, engines, gaps, grain_on_floor, inertia, insert, material,
                     point_forces, pressed_box, refused, set_state, springs, springy, stadium, steps,
-                    velocity, walls)
+                    velocity, walls, weightless)
 from yade import O
 from yade.wrapper import FrictMat, GlobalStiffnessTimeStepper, MatchMaker
 
@@ -302,8 +302,8 @@ def test_the_critical_time_step_counts_light_clumps_and_lids():
     rough = springy(0.3)
     grains = [rcr.disc((0.1 + 0.2 * k, 0.1), 0.1, rough) for k in range(6)]
     mass = 0.01 * grains[0].state.mass
-    build(rcr.wall("y", 0, +1, material=rough), *grains,
-          rcr.mobile_wall("y", 0.2, mass, -1, material=rough), law="smooth", gravity=(0, 0, 0))
+    weightless(rcr.wall("y", 0, +1, material=rough), *grains,
+               rcr.mobile_wall("y", 0.2, mass, -1, material=rough), law="smooth")
     lid = len(O.bodies) - 1
     O.forces.setPermF(lid, (0, -100, 0))
     O.dt = 0.5 * rcr.critical_time_step()

@@ -13,7 +13,7 @@ import run_fuzzer
 import scenes
 from scenes import (G, box, build, calls, contact_forces, exchange, grain_on_floor, insert,
                     material, plane, refused, set_state, snapshot, solver, stadium, steps,
-                    wait_until)
+                    wait_until, weightless)
 from yade import O, utils
 from yade import wrapper as w
 from yade.minieigenHP import Quaternion
@@ -79,25 +79,23 @@ def drum():
     """Boxes that turn about a common centre, with discs and Rcrs inside."""
     sides = [box((0.5 + 0.62 * math.cos(angle), 0.5 + 0.62 * math.sin(angle)), (0.05, 0.3), angle,
                  material(0.5)) for angle in (k * math.pi / 4 for k in range(8))]
-    build(*grains(36, 6, 3, spheres=True, shift=(0.1, 0.1)), *sides, dt=1e-3,
-          before=[w.RotationEngine(ids=list(range(36, 44)), rotateAroundZero=True,
-                                   rotationAxis=(0, 0, 1), zeroPoint=(0.5, 0.5, 0),
-                                   angularVelocity=2)], **SOLVER)
+    turn = w.RotationEngine(ids=list(range(36, 44)), rotateAroundZero=True, angularVelocity=2,
+                            rotationAxis=(0, 0, 1), zeroPoint=(0.5, 0.5, 0))
+    build(*grains(36, 6, 3, spheres=True, shift=(0.1, 0.1)), *sides, before=[turn], **SOLVER)
 
 
 def mixed():
     """Discs and Rcrs fall between walls onto a facet and a fixed box, restitution 0.5."""
     facet = utils.facet([(0.6, 0.05, -1), (0.8, 0.02, -1), (0.7, 0.035, 1)], material=material(0.5))
     build(*grains(48, 6, 4, spheres=True, shift=(0, 0.09)), *box_of(0.9),
-          box((0.3, 0.05), (0.1, 0.05), 0.3, material(0.5)), facet, dt=1e-3, restitution=0.5,
-          **SOLVER)
+          box((0.3, 0.05), (0.1, 0.05), 0.3, material(0.5)), facet, restitution=0.5, **SOLVER)
 
 
 def shot():
     """Fast discs over and through grains at rest: the neighbour list is repaired around them."""
     discs = [rcr.disc((0.1 + 0.2 * k, 1.05 + 0.1 * k), 0.3 * R, material(0.5), velocity=(6, -3))
              for k in range(3)]
-    build(*grains(160, 20, 7), *box_of(2.5), *discs, dt=1e-3, **SOLVER)
+    build(*grains(160, 20, 7), *box_of(2.5), *discs, **SOLVER)
 
 
 def cell():
@@ -139,8 +137,8 @@ def lattice(obstacle):
     """Rods at rest, which renew no list, below an obstacle that meets some after its change."""
     rough = material(0.5)
     obstacle.material = rough
-    build(*(rcr.particle((0.15 * (k % 8), 0.15 * (k // 8)), R, 0.5, material=rough)
-            for k in range(40)), obstacle, dt=1e-3, gravity=(0, 0, 0), **SOLVER)
+    weightless(*(rcr.particle((0.15 * (k % 8), 0.15 * (k // 8)), R, 0.5, material=rough)
+                 for k in range(40)), obstacle, **SOLVER)
     insert(9, calls(change_obstacle, 100, firstIterRun=100, nDo=1))
 
 
@@ -265,8 +263,8 @@ def test_a_run_ends_at_its_step_or_time_or_by_a_pause():
 
 def test_a_velocity_written_during_a_run_stays():
     """Steps in arrays keep it; a step of engines may not, so that it is set up to 20 times."""
-    build(*(stadium(0.1, 0.05, (0, y), velocity=(1, 0)) for y in (1, 2)), *box_of(3)[2:],
-          gravity=(0, 0, 0), dt=1e-5, **SOLVER)
+    weightless(*(stadium(0.1, 0.05, (0, y), velocity=(1, 0)) for y in (1, 2)), *box_of(3)[2:],
+               dt=1e-5, **SOLVER)
     O.run()
     wait_until(lambda: O.iter > 10)
     for _ in range(20):
@@ -411,8 +409,7 @@ def add_force():
 @pytest.mark.parametrize("place", [0, 3, 5])
 def test_engines_set_during_a_run_act(arrays, place):
     """YADE applies the new list of a PyRunner at the next step."""
-    build(*(rcr.disc((x, 0), 0.05, material(0.5)) for x in (0, 1)), dt=1e-3, gravity=(0, 0, 0),
-          **SOLVER)
+    weightless(*(rcr.disc((x, 0), 0.05, material(0.5)) for x in (0, 1)), **SOLVER)
     solver().arrays = arrays
     insert(place, calls(add_force, 1000, firstIterRun=100, nDo=1))
     O.run(300, True)
@@ -478,9 +475,8 @@ def test_an_engine_begins_anew_in_another_scene():
 
 def test_a_body_that_the_integrator_leaves_out_is_at_rest():
     """Its state keeps a velocity; a disc with e = 0.5 bounces off it as off a wall."""
-    build(rcr.disc((0, 0), 0.1, material(0), velocity=(-3, 0), mask=2),
-          rcr.disc((0.25, 0), 0.1, material(0), velocity=(-1, 0), mask=3),
-          gravity=(0, 0, 0), restitution=0.5)
+    weightless(rcr.disc((0, 0), 0.1, material(0), velocity=(-3, 0), mask=2),
+               rcr.disc((0.25, 0), 0.1, material(0), velocity=(-1, 0), mask=3), restitution=0.5)
     O.engines[-1].mask = 1
     steps(200)
     assert O.bodies[1].state.vel[0] == pytest.approx(0.5)
@@ -488,11 +484,10 @@ def test_a_body_that_the_integrator_leaves_out_is_at_rest():
 
 def test_forces_of_contacts_are_those_of_their_points_after_an_error():
     """A jam stops the run within steps in arrays."""
-    build(*scenes.walls(material(0.4), x=(0, 0.2), y=[0]),
-          rcr.wall("y", 0.21, -1, velocity=-0.1, material=material(0.4)),
-          *(rcr.particle((0.0125 + 0.025 * i, 0.0125 + 0.025 * j), 0.0124, 0.1, 0.4 * i + j,
-                         material(0.4)) for i in range(8) for j in range(8)),
-          gravity=(0, 0, 0), **SOLVER)
+    weightless(*scenes.walls(material(0.4), x=(0, 0.2), y=[0]),
+               rcr.wall("y", 0.21, -1, velocity=-0.1, material=material(0.4)),
+               *(rcr.particle((0.0125 + 0.025 * i, 0.0125 + 0.025 * j), 0.0124, 0.1, 0.4 * i + j,
+                              material(0.4)) for i in range(8) for j in range(8)), **SOLVER)
     refused("jam", O.run, 1000, True, error=RuntimeError)
     assert solver().model["array_steps"] > 0
     for i in O.interactions:

@@ -70,7 +70,7 @@ def test_ctrl_c_ends_after_a_whole_step(tmp_path):
     code = """
 from scenes import *
 from yade.wrapper import PyRunner
-build(rcr.particle((0, 0), 0.1, 0.5, velocity=(1, 0)), gravity=(0, 0, 0), dt=2**-13)
+weightless(rcr.particle((0, 0), 0.1, 0.5, velocity=(1, 0)), dt=2**-13)
 ready = PyRunner(command="print('ready', flush=True)", iterPeriod=100, nDo=2)  # once
 O.engines = [*O.engines, ready]
 rcr.advance(10, "first")

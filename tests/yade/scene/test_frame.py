@@ -14,7 +14,8 @@ from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
 from rcr.network import OBSTACLE, OTHER
 from scenes import (G, LAWS, box, build, calls, heap, insert, material, plane, pressed_box, python,
-                    refused, set_state, shrinking_cell, springy, stadium, steps, wait_until)
+                    refused, set_state, shrinking_cell, springy, stadium, steps, wait_until,
+                    weightless)
 from yade import O
 from yade import wrapper as w
 from yade.minieigenHP import Matrix3
@@ -73,8 +74,8 @@ def test_every_kind_of_body(tmp_path):
 
 def test_lever_arms_are_those_of_the_forces():
     """A fast disc hits a resting one: arms end at the centres of the impact, 0.05 R earlier."""
-    one, _ = build(*(rcr.particle((x, 0), 1, 0, material=material(0), velocity=(v, 0))
-                     for x, v in ((0, 10), (2.0, 0))), gravity=(0, 0, 0), dt=1e-2, restitution=0)
+    one, _ = weightless(*(rcr.particle((x, 0), 1, 0, material=material(0), velocity=(v, 0))
+                          for x, v in ((0, 10), (2.0, 0))), dt=1e-2, restitution=0)
     O.step()
     contacts = Frame.of().contacts
     sign = 1 if contacts["body1"][0] == one else -1
@@ -86,8 +87,8 @@ def test_lever_arms_are_those_of_the_forces():
 
 def test_contacts_across_the_edge_of_a_cell():
     """Two discs touch across the edge: arms are a radius long, not a period."""
-    build(*(rcr.particle((3, y), 0.5, 0, material=material()) for y in (0.499, 7.5)), cell=2,
-          law="smooth", gravity=(0, 0, 0), dt=1e-7)
+    weightless(*(rcr.particle((3, y), 0.5, 0, material=material()) for y in (0.499, 7.5)), cell=2,
+               law="smooth", dt=1e-7)
     O.cell.hSize = ((10, 0, 0), (0, 8, 0), (0, 0, 10))
     O.step()
     frame = Frame.of()
@@ -377,8 +378,8 @@ def look():
 @pytest.mark.parametrize("place", ["before the integrator", "after the integrator"])
 def test_an_engine_before_the_integrator_gets_no_network(place):
     """Two discs collide; before NewtonIntegrator they have neither moved nor changed velocity."""
-    build(*(rcr.disc((x, 0), 0.1, material(0), velocity=(v, 0)) for x, v in ((0, 1), (0.201, -1))),
-          gravity=(0, 0, 0), dt=1e-3)
+    weightless(*(rcr.disc((x, 0), 0.1, material(0), velocity=(v, 0))
+                 for x, v in ((0, 1), (0.201, -1))))
     engine = calls(look, 1, initRun=True)
     if place == "before the integrator":
         insert(-1, engine)

@@ -9,9 +9,9 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import (LAWS, assert_refused, build, grain_on_floor, insert, material, prescribe,
-                    python, refused, resting, set_state, snapshot, solver, stadium, steps,
-                    wait_until, without)
+from scenes import (LAWS, assert_refused, build, grain_on_floor, insert, material, plane,
+                    prescribe, python, refused, resting, set_state, snapshot, solver, stadium,
+                    steps, wait_until, without)
 from yade import O, utils
 from yade import wrapper as w
 from yade.minieigenHP import Quaternion, Vector3
@@ -54,6 +54,9 @@ CALLS = [  # function, words of its ValueError
     *((lambda members=members: rcr.clump(members), "at least one body")
       for members in ([], ["grain"])),
     (lambda: rcr.clump([grain()] * 2), "members holds a body twice"),
+    *((lambda options=options: rcr.clump([grain(), rcr.disc((0.2, 0), 0.1, **options)]),
+       r"members\[1\] is fixed or moves")
+      for options in (dict(fixed=True), dict(velocity=(1, 0)), dict(angular_velocity=1.0))),
     *((lambda damping=damping: rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping),
        "CundallStrack.damping = .*; expected a fraction of the critical damping")
       for damping in (-0.1, NAN, INF)),
@@ -140,8 +143,10 @@ SETTINGS = [
     *(("yieldCompliance", value, f"ContactDynamics.yieldCompliance = {value:g}; expected a finite "
        f"factor ≥ 0, 1 by default") for value in (NAN, INF, -1.0)),
     ("observeEvery", -1, "ContactDynamics.observeEvery = -1; expected a number of steps"),
+    ("trackMeanStretch", True, "trackMeanStretch = True; expected overdamped = True"),
     ("dead", True, "O.engines holds no ContactDynamics that is not dead"),
 ]
+FLOW = "ContactDynamics.flow is not zero; expected finite entries, and overdamped = True"
 UNSEEN = "stands after ContactDynamics, which would not see its load; put it before"
 LOST = "so its forces would be taken away"
 OUT = (r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of "
@@ -151,6 +156,10 @@ UNFIT = "contact of bodies #0 and #1 has the friction coefficient .*; expected a
 RIGID = [  # under the rigid law
     *((lambda name=name, value=value: setattr(solver(), name, value), match)
       for name, value, match in SETTINGS),
+    *((lambda overdamped=overdamped, rate=rate: (
+        setattr(solver(), "overdamped", overdamped),
+        setattr(solver(), "flow", plane(rate, 0, 0, 0))), FLOW)
+      for overdamped, rate in ((False, 0.1), (True, NAN), (True, INF))),
     # engines
     (lambda: (steps(2), setattr(solver(), "dead", True)), "no ContactDynamics that is not dead"),
     (lambda: without(rcr.ContactDynamics), r"O.engines holds no ContactDynamics, .*put "

@@ -9,7 +9,7 @@ import yade
 import yade.utils
 from scenes import (G, LAWS, build, contact_forces, engines, grain_on_floor, insert, material, pile,
                     pressed_box, python, refused, resting, set_state, shrinking_cell, snapshot,
-                    solver, springs, springy, stadium, steps, tilted, velocity)
+                    solver, springs, springy, stadium, steps, tilted, velocity, weightless)
 from yade import O
 from yade.wrapper import MatchMaker, PyRunner
 
@@ -208,7 +208,7 @@ def test_a_fast_lid_meets_a_disc_that_rests(lid, free, one_by_one):
     for start in np.linspace(0.045, 0.049, 14):
         body = (rcr.wall("y", start - 0.005, sense=-1, material=smooth) if lid == "wall" else
                 yade.utils.box((0, start, 0), (0.1, 0.005, 0.01), fixed=True, material=smooth))
-        build(rcr.disc((0, 0), 0.015, material=smooth), body, gravity=(0, 0, 0))
+        weightless(rcr.disc((0, 0), 0.015, material=smooth), body)
         set_state(1, mass=1.0, blockedDOFs="xzXYZ" if free else "xyzXYZ", vel=(0, -4, 0))
         O.engines[1].verletDist = 0.001
         steps(12) if one_by_one else O.run(12, True)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import rcr
 from rcr.frame import Frame
-from scenes import FLOORS, G, build, gaps, iterations, material, solver, springy, steps, velocity
+from scenes import (FLOORS, G, build, gaps, iterations, material, solver, springy, steps, velocity,
+                    weightless)
 from yade import O, utils
 
 GRAINS = {"Sphere": lambda at, m: rcr.disc(at, 0.1, material=m),
@@ -79,7 +80,7 @@ def test_fast_free_discs_and_spinning_boxes_do_not_tunnel():
     assert functors.count("Bo1_Disc_Aabb") == 1
     box = utils.box((0, 0, 0), (1, 0.1, 1), material=material(), fixed=True)
     box.state.angVel = (0, 0, 20)
-    _, disc = build(box, rcr.disc((0.8, 0.5), 0.1), gravity=(0, 0, 0), dt=5e-3)
+    _, disc = weightless(box, rcr.disc((0.8, 0.5), 0.1), dt=5e-3)
     steps(40)
     assert O.bodies[disc].state.vel.norm() > 5
 
@@ -136,7 +137,7 @@ def test_a_near_miss_is_no_bounce(obstacle, eta, step, restitution):
         )[obstacle]()
         grain = rcr.particle(((-3 - phase * step) * R, (1.001 - eta) * R), R, eta, velocity=(1, 0),
                              material=m)
-        _, grain = build(fixed, grain, dt=step * R, gravity=(0, 0, 0), restitution=restitution)
+        _, grain = weightless(fixed, grain, dt=step * R, restitution=restitution)
         steps(round(6 / step))
         np.testing.assert_allclose(velocity(grain) * [1, 1, R], [1, 0, 0], rtol=0, atol=1e-3)
 
@@ -161,8 +162,8 @@ def test_a_rod_glides_over_the_joints_of_a_floor(eta, dt):
 def test_a_rod_bounces_flat_off_a_short_obstacle(make):
     """It reaches beyond both ends. Corners of the far face of a box are no contact points."""
     rough = material(0.3)
-    build(make(rough), rcr.particle((0, 0.0205), 0.2, 0.9, material=rough, velocity=(0, -1)),
-          gravity=(0, 0, 0), restitution=0.5, tolerance=1e-10)
+    weightless(make(rough), rcr.particle((0, 0.0205), 0.2, 0.9, material=rough, velocity=(0, -1)),
+               restitution=0.5, tolerance=1e-10)
     O.step()
     assert velocity(1) == pytest.approx([0, 0.5, 0], abs=1e-9)
 

@@ -5,15 +5,15 @@ import math
 import pytest
 import rcr
 import yade.utils
-from scenes import G, assert_refused, build, material, steps
+from scenes import G, assert_refused, build, material, steps, weightless
 from yade import O
 
 
 def pressed_wall(side, stress, end=1, mass=2.0):
     """A wall at x = side under a stress, between walls 3 m apart; without a mass it is fixed."""
     wall = rcr.mobile_wall("x", side, mass) if mass else rcr.wall("x", side)
-    build(rcr.wall("y", 0), rcr.wall("y", 3.0), wall, gravity=(0, 0, 0),
-          before=[rcr.WallStress(wall=2, start=0, end=end, stress=stress)])
+    weightless(rcr.wall("y", 0), rcr.wall("y", 3.0), wall,
+               before=[rcr.WallStress(wall=2, start=0, end=end, stress=stress)])
 
 
 @pytest.mark.parametrize("side", [0, 2])

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import rcr
 from scenes import (KN, LAWS, build, gaps, grain_on_floor, insert, material, refused, resting,
-                    set_state, snapshot, solver, springs, springy, stadium, steps)
+                    set_state, snapshot, solver, springs, springy, squeezed, stadium, steps,
+                    weightless)
 from yade import O, utils
 from yade import wrapper as w
 from yade.wrapper import (DomainLimiter, DragEngine, GlobalStiffnessTimeStepper, LinearDragEngine,
@@ -56,7 +57,7 @@ def test_grains_behind_a_wall_warn(law):
 
 def test_overlaps_of_images_warn():
     places = (1.95, 1.0), (2.1, 3.0), (0.5, 0.5)
-    build(*(rcr.disc(at, 0.1, material=material()) for at in places), cell=2, gravity=(0, 0, 0))
+    weightless(*(rcr.disc(at, 0.1, material=material()) for at in places), cell=2)
     (told,) = advised()
     assert "bodies #0 and #1 overlap by 0.05 m, 0.25 of R₁ + R₂, before their first step. " in told
 
@@ -110,7 +111,7 @@ def test_a_mass_that_is_not_density_times_area_warns_once(law, case):
 @pytest.mark.parametrize("mass", [None, 70])
 def test_functions_of_yade_that_change_or_keep_masses_warn(change, mass):
     """A mass that rcr.clump was given is no reason."""
-    build(rcr.wall("y", 0, material=material()), dt=1e-5, gravity=(0, 0, 0))
+    weightless(rcr.wall("y", 0, material=material()), dt=1e-5)
     row = [rcr.disc((0.1 * k, 1), 0.1, O.bodies[0].material) for k in range(3)]
     clump, members = rcr.clump(row, mass=mass)
     discs((0.41, 1), (0.62, 1))
@@ -138,8 +139,8 @@ def test_masses_that_may_be_chosen_do_not_warn():
     plate.state.mass = 2.0
     for body in block, plate:
         body.state.blockedDOFs = "zXY"
-    build(block, plate, rcr.mobile_wall("x", 9, mass=7, material=m),
-          utils.sphere((0, 9, 0), 0.1, fixed=True, material=m), gravity=(0, 0, 0))
+    weightless(block, plate, rcr.mobile_wall("x", 9, mass=7, material=m),
+               utils.sphere((0, 9, 0), 0.1, fixed=True, material=m))
     assert advised() == []
     pair = O.bodies.append([utils.box((0, 12, 0), (0.1, 0.1, 1), material=m),
                             rcr.disc((0, 12.2), 0.1, m)])
@@ -220,9 +221,9 @@ def test_forces_after_the_solver_cause_a_warning(capfd):
 @pytest.mark.parametrize("dt", [1, 30, 1000])
 def test_step_that_ends_in_an_overlap_has_not_converged(dt):
     rough = material()
-    build(stadium(0.2, 0.1, (0, 0), material=rough, velocity=(1.0 / dt, 0),
-                  angular_velocity=5.0 / dt),
-          stadium(0.2, 0.1, (1.0, 0.1), angle=1.0, material=rough), dt=dt, gravity=(0, 0, 0))
+    weightless(stadium(0.2, 0.1, (0, 0), material=rough, velocity=(1.0 / dt, 0),
+                       angular_velocity=5.0 / dt),
+               stadium(0.2, 0.1, (1.0, 0.1), angle=1.0, material=rough), dt=dt)
     converged = True
     for _ in range(3):
         O.step()  # gaps are those at the beginning of the step
@@ -252,8 +253,8 @@ def test_new_contacts_do_not_visit_all_bodies():
 
     def first_step(side):
         """Processor time of the first step of side² discs in contact [s]."""
-        build(*[rcr.disc((0.2 * i, 0.2 * j), 0.1, material=rough) for i in range(side)
-                for j in range(side)], gravity=(0, 0, 0), tolerance=1e-2, maxIterations=2)
+        weightless(*(rcr.disc((0.2 * i, 0.2 * j), 0.1, material=rough) for i in range(side)
+                     for j in range(side)), tolerance=1e-2, maxIterations=2)
         before = time.process_time()
         O.step()
         assert O.interactions.countReal() > 1.9 * side * (side - 1)
@@ -302,8 +303,8 @@ def test_a_step_without_a_finite_solution_moves_nothing_and_saves_its_problem(
 @pytest.mark.parametrize("verlet, drive, warned", [
     (0.01, "velocity", 1), (0.01, "engine", 1), (0, "velocity", 0), (0.01, "none", 0)])
 def test_an_obstacle_that_turns_unseen_by_the_collider_warns_under_springs(verlet, drive, warned):
-    build(rcr.segment((-0.2, 0), (0.2, 0), material=springy()),
-          rcr.disc((0.15, 0.5), 0.01, springy()), law="smooth", dt=2e-5, gravity=(0, 0, 0))
+    weightless(rcr.segment((-0.2, 0), (0.2, 0), material=springy()),
+               rcr.disc((0.15, 0.5), 0.01, springy()), law="smooth", dt=2e-5)
     O.engines[1].verletDist = verlet
     if drive == "velocity":
         set_state(0, angVel=(0, 0, 2))
@@ -319,11 +320,9 @@ def test_an_obstacle_that_turns_unseen_by_the_collider_warns_under_springs(verle
 
 def test_counts_of_an_engine_begin_anew_with_a_new_scene():
     """A script may give the same engines to a scene after O.reset()."""
-    engines, rough = None, material(0.3)
+    engines = None
     for _ in range(2):
-        build(rcr.disc((0, 0), 0.1, rough, fixed=True), rcr.disc((0, 0.2), 0.1, rough),
-              rcr.disc((0, 0.4), 0.1, rough, fixed=True, velocity=(0, -0.1)), gravity=(0, 0, 0),
-              tolerance=1e-4)
+        squeezed()
         engines = engines or O.engines
         O.engines = engines
         O.run(5, True)
