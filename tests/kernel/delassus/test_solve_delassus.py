@@ -14,22 +14,18 @@ from rcr import _kernel, problems
 SOLVERS = ["nlgs", "sor", "nesterov", "exact", "auto"]
 
 
-class Problem:
-    """Dense W (2 nc, 2 nc) [1/kg], q (nc, 2) [m/s], µ (nc,) and initial impulses (nc, 2) [N s]."""
+class Problem(problems.DelassusProblem):
+    """With the dense W (2 nc, 2 nc) [1/kg]."""
 
     def __init__(self, w, q, friction, impulse=None):
-        self.w, self.q = np.asarray(w, float), np.asarray(q, float)
-        self.friction = np.asarray(friction, float)
-        self.impulse = np.zeros_like(self.q) if impulse is None else impulse
+        self.w = np.asarray(w, float)
         row, column = np.nonzero(self.w)
-        entries = (row, column, self.w[row, column])
-        sparse = problems.DelassusProblem(entries, self.q, self.friction)
-        block = sparse.block.reshape(-1, 4)
-        self.rows = dict(row_start=sparse.row_start, column=sparse.column, block=block)
+        super().__init__((row, column, self.w[row, column]), q, friction, impulse)
 
     def solve(self, solver="nesterov", **settings):
-        arrays = dict(self.rows, free_velocity=self.q, friction=self.friction, impulse=self.impulse)
-        return _kernel.solve_delassus(**arrays, solver=solver, **settings)
+        w = self.row_start, self.column, self.block.reshape(-1, 4)
+        return _kernel.solve_delassus(*w, self.q, self.friction, self.impulse, solver=solver,
+                                      **settings)
 
     def velocity(self, p):
         return (self.w @ p.ravel()).reshape(-1, 2) + self.q
@@ -124,9 +120,9 @@ def test_column_carries_the_weight_above():
     w += np.kron(np.eye(count), np.diag([0.0, 1.0]))
     q = np.column_stack([jacobian @ np.full(count, -speed), np.zeros(count)])
     problem = Problem(w, q, np.full(count, 0.5))
+    expected = mass * speed * np.arange(count, 0, -1)
     for solver in SOLVERS:
         found = problem.solve(solver, tolerance=1e-12, max_iterations=10000)
-        expected = mass * speed * np.arange(count, 0, -1)
         np.testing.assert_allclose(found["impulse"][:, 0], expected, rtol=1e-9)
 
 
