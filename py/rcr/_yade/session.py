@@ -5,6 +5,7 @@ scenes. Scenes without classes of rcr are not checked. `refuse_unknown_attribute
 misspelt attributes of these classes.
 """
 
+import contextlib
 import difflib
 import functools
 import threading
@@ -27,12 +28,12 @@ def guard():
         return
     container = type(Omega().bodies)
     container.erase = _checked_erase(container.erase)
-    Omega.run = _guarded(_recorded(_raising(_responsive(Omega.run))))
-    Omega.step = _guarded(_recorded(_raising(Omega.step)))
-    Omega.pause = _recorded(_after_step(Omega.pause))
-    Omega.wait = _recorded(_raising(_after_step(Omega.wait)))
+    Omega.run = _guarded(_recorded()(_raising()(_responsive(Omega.run))))
+    Omega.step = _guarded(_recorded()(_raising()(Omega.step)))
+    Omega.pause = _recorded()(_after_step()(Omega.pause))
+    Omega.wait = _recorded()(_raising()(_after_step()(Omega.wait)))
     for name in ("load", "loadTmp", "reload"):
-        setattr(Omega, name, _recorded(getattr(Omega, name)))
+        setattr(Omega, name, _recorded()(getattr(Omega, name)))
 
 
 def _guarded(method):
@@ -108,50 +109,37 @@ def wait_for_end(omega, longest_pause, each=lambda: None):
     omega.wait()
 
 
-def _after_step(method):
-    """O.pause or O.wait that returns after a whole step; YADE's may return within one.
+@contextlib.contextmanager
+def _after_step():
+    """Wrapper of O.pause and O.wait: they return after a whole step; YADE's may return within one.
 
     An engine that calls it is part of a step, so it returns at once there.
     """
-
-    @functools.wraps(method)
-    def wrapped(omega):
-        method(omega)
-        if not isinstance(threading.current_thread(), threading._DummyThread):
-            _plugin.await_end()
-
-    return wrapped
+    yield
+    if not isinstance(threading.current_thread(), threading._DummyThread):
+        _plugin.await_end()
 
 
-def _recorded(method):
-    """Method of O that records the end of its last step, for `Frame.check_unchanged`."""
-
-    @functools.wraps(method)
-    def wrapped(omega, *arguments, **keywords):
-        try:
-            return method(omega, *arguments, **keywords)
-        finally:
-            if not omega.running:
-                _plugin.record_end()
-
-    return wrapped
+@contextlib.contextmanager
+def _recorded():
+    """Wrapper that records the end of the last step, for `Frame.check_unchanged`."""
+    try:
+        yield
+    finally:
+        if not Omega().running:
+            _plugin.record_end()
 
 
-def _raising(method):
-    """Method that raises errors of YADE's run thread; YADE does so only in a waiting session."""
-
-    @functools.wraps(method)
-    def wrapped(omega, *arguments, **keywords):
-        try:
-            result = method(omega, *arguments, **keywords)
-        except Exception:
-            _plugin.take_error()
-            raise
-        if not omega.running and (error := _plugin.take_error()):
-            raise RuntimeError(error)
-        return result
-
-    return wrapped
+@contextlib.contextmanager
+def _raising():
+    """Wrapper that raises errors of YADE's run thread; YADE does so only in a waiting session."""
+    try:
+        yield
+    except Exception:
+        _plugin.take_error()
+        raise
+    if not Omega().running and (error := _plugin.take_error()):
+        raise RuntimeError(error)
 
 
 def _checked_erase(erase):
