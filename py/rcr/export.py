@@ -38,11 +38,9 @@ def vtk(path, what=None):
     if path.suffix != ".vtm":
         raise ValueError(f"{path}: expected a name that ends in .vtm")
     files = _write(path.with_suffix(""), Frame.of(what))
-    root = xml.Element("VTKFile", type="vtkMultiBlockDataSet", version="1.0")
-    blocks = xml.SubElement(root, "vtkMultiBlockDataSet")
-    for k, file in enumerate(files):
-        xml.SubElement(blocks, "DataSet", index=str(k), name=_part(file), file=file.name)
-    _save(root, path)
+    rows = [dict(index=str(k), name=part, file=file.name)
+            for k, (part, file) in enumerate(zip(PARTS, files))]
+    _save_index(path, "vtkMultiBlockDataSet", "1.0", rows)
     return files
 
 
@@ -84,21 +82,20 @@ class VtkSeries:
         before = [moment for moment in self.moments() if moment[0] < frame.time]
         number = len({time for time, _ in before})
         files = _write(pathlib.Path(self.folder) / f"{self.name}-{number:06d}", frame)
-        root = xml.Element("VTKFile", type="Collection", version="0.1")
-        collection = xml.SubElement(root, "Collection")
+        rows = []
         for time, file in [*before, *((frame.time, file.name) for file in files)]:
-            part = str(PARTS.index(_part(pathlib.Path(file))))
-            row = dict(timestep=repr(time), group="", part=part, file=file)
-            xml.SubElement(collection, "DataSet", row)
-        _save(root, self.index)
+            part = PARTS.index(pathlib.Path(file).stem.rsplit("-", 1)[1])
+            rows.append(dict(timestep=repr(time), group="", part=str(part), file=file))
+        _save_index(self.index, "Collection", "0.1", rows)
         return self.index
 
 
-def _part(file):
-    return file.stem.rsplit("-", 1)[1]
-
-
-def _save(root, path):
+def _save_index(path, kind, version, rows):
+    """Write the index of files in ParaView's format `kind`, with the attributes of each file."""
+    root = xml.Element("VTKFile", type=kind, version=version)
+    block = xml.SubElement(root, kind)
+    for row in rows:
+        xml.SubElement(block, "DataSet", row)
     xml.indent(root)
     with atomic_path(path) as partial:
         xml.ElementTree(root).write(partial, encoding="utf-8", xml_declaration=True)
