@@ -21,10 +21,7 @@ def extent(what=None):
 
 
 def areas(what=None):
-    """Return the ids and the areas of the grains, (N,) each [m²].
-
-    Members of a clump share the area of their union in proportion to their own areas.
-    """
+    """Return the ids (N,) and `Frame.areas` of the grains, (N,) [m²]."""
     frame = _frame(what)
     return frame.grains["id"], frame.areas()
 

@@ -75,8 +75,7 @@ class Profile:
             raise ValueError("the first edge of the periodic cell is ({:g}, {:g}); expected one "
                              "along x, as the grid's".format(*frame.cell[:, 0]))
         first = reset or self._sums is None
-        limits = _limits(frame) if first and self._given is None else self._given
-        limits = self.limits if limits is None else limits
+        limits = _limits(frame) if first and self._given is None else self.limits
         _check_span(limits, frame)
         if first:
             self.limits, self._sums, self._moments = limits, {}, 0

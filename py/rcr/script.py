@@ -184,10 +184,6 @@ def run(main):
         message = files.one_line(error)
     if message:
         print(f"{os.path.basename(sys.argv[0])}: {message}", file=sys.stderr)
-    _end(code)
-
-
-def _end(code):
     yade = sys.modules.get("yade")
     if code == 0 and getattr(getattr(yade, "runtime", None), "opts", None) is not None:
         return

@@ -5,8 +5,8 @@ import threading
 
 import numpy as np
 from yade.wrapper import (
-    Box, ContactDynamics, Facet, FrictPhys, GenericSpheresContact, NormPhys, NormShearPhys, Omega, Rcr, RcrGeom,
-    Sphere, Wall,
+    Box, ContactDynamics, Facet, FrictPhys, GenericSpheresContact, NormPhys, NormShearPhys, Omega,
+    Rcr, RcrGeom, Sphere, Wall,
 )  # fmt: skip
 
 from rcr import _plugin
@@ -69,15 +69,11 @@ def _grains(O):
                      angle(state.ori), *lengths(shape), whole.mass,
                      (velocity[0], velocity[1], state.angVel[2]), tuple(shape.color)))
     grains = _columns(_GRAINS, rows)
-    _share_masses(grains)
-    return grains, np.array(centers).reshape(-1, 2), z
-
-
-def _share_masses(grains):
-    """Give clump members, which have the mass of their clump, their share of it by area."""
+    # members of a clump, which have its mass here, share it by area
     member = grains["clump"] >= 0
     area, clump = areas(grains)[member], grains["clump"][member]
     grains["mass"][member] *= area / np.bincount(clump, area)[clump]
+    return grains, np.array(centers).reshape(-1, 2), z
 
 
 def _obstacles(O, z):

@@ -1,5 +1,6 @@
 """Stable time step of springs, and the first half step of the leapfrog."""
 
+import functools
 import math
 
 import numpy as np
@@ -72,37 +73,34 @@ def _stiffnesses(loops):
     stock = [ip2 for ip2 in functors if isinstance(ip2, Ip2_FrictMat_FrictMat_FrictPhys)]
     makers = {name: [getattr(ip2, name) for ip2 in stock] for name in ("kn", "ks")}
     materials = {body.material.id for body in O.bodies if not body.isClump}
-    matched = {}  # the largest matched value or None, by name and material
     stiffest = {}  # (k_n, k_s) by id of the body
     for i in O.interactions:
         if i.isReal and isinstance(i.phys, FrictPhys):
             for id_ in (i.id1, i.id2):
                 stiffest[id_] = np.maximum((i.phys.kn, i.phys.ks), stiffest.get(id_, 0))
 
+    @functools.cache
+    def largest_match(name, material):
+        """Return the largest value of the MatchMakers for a material, None without a value."""
+        values = []
+        for maker in filter(None, makers[name]):
+            for other in materials:
+                try:
+                    values.append(maker(material, other))
+                except ValueError:  # no match; the average of two materials has no values here
+                    pass
+        return max(values, default=None)
+
     def stiffness(body):
         kn = body.material.young * sum(lengths(body.shape))
         own = dict(kn=kn, ks=kn * body.material.poisson)
         future = []
         for name in own:
-            key = name, body.material.id
-            if key not in matched:
-                matched[key] = _largest_match(makers[name], body.material.id, materials)
-            future.append(own[name] if matched[key] is None else matched[key])
+            match = largest_match(name, body.material.id)
+            future.append(own[name] if match is None else match)
         return stiffest.get(body.id, future)
 
     return stiffness
-
-
-def _largest_match(makers, material, others):
-    """Return the largest value of MatchMakers for a material and others, None without a value."""
-    values = []
-    for maker in filter(None, makers):
-        for other in others:
-            try:
-                values.append(maker(material, other))
-            except ValueError:  # no match; the average of two materials has no values here
-                pass
-    return max(values, default=None)
 
 
 def _stable_step(body, members, kn, ks, points, damping):
