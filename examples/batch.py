@@ -64,10 +64,6 @@ with script.atomic_path(options.out / f"{name}.txt") as path:
 O.save(str(options.out / f"{name}.yade"), quiet=True)
 
 
-def finished():
-    return sorted(options.out.glob("eta-*.txt"))
-
-
 def draw_runs(paths):
     """Draw the finished runs and save their run-outs."""
     rows = []
@@ -87,9 +83,9 @@ def draw_runs(paths):
 
 
 drawn = []
-while drawn != finished():  # again if another job has finished in the meantime
-    drawn = finished()
-    draw_runs(drawn)
+while drawn != (finished := sorted(options.out.glob("eta-*.txt"))):
+    draw_runs(finished)
+    drawn = finished  # and again if another job has finished in the meantime
 ratio = plot.data["width"][-1] / plot.data["width"][0]
 print(f"eta = {eta}, mu = {mu}: the grains spread to {ratio:.2f} times the width of the column")
 waitIfBatch()

@@ -7,7 +7,6 @@ Run it with YADE:  scripts/yade-rcr -n -x examples/first_scene.py
 Writes DIR/first_scene.png and DIR/grains.csv, one row per grain.
 """
 
-
 import numpy as np
 
 import rcr  # loads the plugin into the running YADE
@@ -24,8 +23,7 @@ O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.001),
     InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom()],
-                    [Ip2_FrictMat_FrictMat_CdPhys()],
-                    [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+                    [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
     ContactDynamics(tolerance=1e-4),  # solves all contacts of the step together
     NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
 ]

@@ -95,8 +95,7 @@ for eta in (0, 0.6):
         break
     curves[eta] = np.array([plot.data["t"], plot.data["out"]])
 
-tables = [np.column_stack([np.full(len(curve[0]), eta), *curve]) for eta, curve in curves.items()]
-rows = np.vstack([np.empty((0, 3)), *tables])
+rows = [(eta, t, out) for eta, curve in curves.items() for t, out in zip(*curve)]
 np.savetxt(options.out / "discharge.csv", rows, delimiter=",", header="eta,t,out",
            comments="", fmt="%g")
 fig, ax = plt.subplots(figsize=(4, 3), layout="constrained")
