@@ -4,9 +4,11 @@
 Run it with YADE:  scripts/lib/run python3 docs/generate/reference.py
 """
 
+import functools
 import pathlib
 import re
 import shutil
+import textwrap
 
 OUT = pathlib.Path(__file__).resolve().parents[1] / "reference"
 MODULES = {
@@ -39,14 +41,11 @@ KINDS = {
     "Drawing": ("Gl1",),
 }
 READONLY = 2  # YADE's Attr::readonly
+indented = functools.partial(textwrap.indent, prefix="   ")
 
 
 def heading(text, line):
     return f"{text}\n{line * len(text)}\n"
-
-
-def indented(text, by=3):
-    return "\n".join(" " * by + line if line else "" for line in text.splitlines())
 
 
 def escaped(text):
@@ -83,7 +82,7 @@ def attribute(name, doc, classes):
             text += " (read only)"
         elif marks["ydefault"]:
             head += f"   :value: {marks['ydefault']}\n"
-    return head + "\n" + indented(from_yade(text, classes)) + "\n"
+    return head + "\n" + indented(from_yade(text, classes))
 
 
 def yade_class(cls, classes):
@@ -95,7 +94,7 @@ def yade_class(cls, classes):
         pattern = r"\w+\.(\w+)\(=(.*?)\)\s*(.*?)\s*"
         name, value, about = re.fullmatch(pattern, text, re.S).groups()
         head = f".. py:attribute:: {name}\n   :value: {value}\n\n"
-        lines.append(indented(head + indented(from_yade(about, classes)) + "\n"))
+        lines.append(indented(head + indented(from_yade(about, classes))))
     for name, value in sorted(vars(cls).items()):
         if isinstance(value, property) and value.__doc__:
             lines.append(indented(attribute(name, value.__doc__, classes)))
