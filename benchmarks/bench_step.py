@@ -67,7 +67,7 @@ def accuracy(packing, outcome):
     impulses = generalised(bodies, normal, arm1, arm2, impulse, len(free))
     after, stated = free + packing.inverse_mass * impulses, np.array(outcome["after"])
     overlap = -table[:, 11] - SKIN * (bodies < packing.grains).sum(1)
-    residual = measure.residual(measure.matrix(problem), problem.q, friction, impulse)
+    residual = measure.residual_of(problem, impulse)
     error = np.linalg.norm(stated - after) / max(np.linalg.norm(stated), 1e-300)
     return dict(points=len(table), residual=residual, velocity_error=float(error),
                 mean_overlap=float(np.maximum(0, overlap).mean()))
@@ -118,7 +118,6 @@ def our_rows(packing, options):
     problem = packing.problem(options.friction, 2 * SKIN)
     arrays = problem.arrays()
     delassus = BodyProblem(**arrays).delassus()
-    matrix = measure.matrix(delassus)
     for solver in "nlgs", "nesterov":
         solve = partial(kernel.solve, **arrays, solver=solver, kinematic_tolerance=np.inf,
                         workspace=kernel.Workspace())
@@ -126,7 +125,7 @@ def our_rows(packing, options):
         ((_, ns),) = measure.sweep_times([(problem.contacts, solve)], *limits)
         (found,) = measure.best(*limits, partial(solve, tolerance=0, check_interval=10**9,
                                                  max_iterations=options.iterations))
-        residual = measure.residual(matrix, delassus.q, delassus.friction, found["impulse"])
+        residual = measure.residual_of(delassus, found["impulse"])
         yield dict(points=problem.contacts, library=f"rcr {solver}", start="cold", covers="solver",
                    ns=ns, residual=residual, **step_times(
                        found["processor_seconds"], 1e-9 * ns * problem.contacts, options))

@@ -42,6 +42,11 @@ def matrix(problem):
     return csc_array((values, (rows, columns)), shape=(2 * problem.contacts,) * 2)
 
 
+def residual_of(problem, p):
+    """The same residual, of a `DelassusProblem`."""
+    return residual(matrix(problem), problem.q, problem.friction, p)
+
+
 def rounds(repeats, budget, functions):
     """Yield the results of all functions, at most `repeats` times; none begins after `budget` s."""
     start = time.perf_counter()

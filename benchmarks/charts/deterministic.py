@@ -50,24 +50,22 @@ EXACT = 1e-9  # smaller relative errors are rounding
 
 # ---- scenes
 
-def _slope(body):
+def _slope(radius, eta, acceleration):
+    """A grain on the slope; `acceleration` follows from the angle and the state of the grain."""
     rough, alpha = material(), math.atan(0.6)
-    grain = body(rough)
-    m, inertia = grain.state.mass, grain.state.inertia[2]
-    return [rcr.wall("y", 0, material=rough), grain], tilted(alpha), m, inertia, alpha
+    grain = rcr.particle((0, 0.1), radius, eta, 0, rough)
+    exact = 0.5 * acceleration(alpha, grain.state) * 0.5**2
+    bodies = [rcr.wall("y", 0, material=rough), grain]
+    return bodies, tilted(alpha), 0.5, lambda: O.bodies[1].state.pos[0], exact
 
 
 def incline(seed):
-    bodies, gravity, *_, alpha = _slope(lambda rough: rcr.particle((0, 0.1), 0.4, 0.75, 0, rough))
-    exact = 0.5 * G * (math.sin(alpha) - 0.5 * math.cos(alpha)) * 0.5**2
-    return bodies, gravity, 0.5, lambda: O.bodies[1].state.pos[0], exact
+    return _slope(0.4, 0.75, lambda alpha, _: G * (math.sin(alpha) - 0.5 * math.cos(alpha)))
 
 
 def disc(seed):
-    grain = lambda rough: rcr.particle((0, 0.1), 0.1, 0, 0, rough)
-    bodies, gravity, m, inertia, alpha = _slope(grain)
-    exact = 0.5 * G * math.sin(alpha) / (1 + inertia / (m * 0.1**2)) * 0.5**2
-    return bodies, gravity, 0.5, lambda: O.bodies[1].state.pos[0], exact
+    return _slope(0.1, 0, lambda alpha, state: G * math.sin(alpha)
+                  / (1 + state.inertia[2] / (state.mass * 0.1**2)))
 
 
 def ladder(seed):

@@ -11,25 +11,23 @@ namespace {
 
 constexpr cpGroup wallGroup = 1; // shapes of a group do not collide
 
-cpVect vect(double x, double y) { return cpv(x, y); }
-
 cpBody* add(cpSpace* space, const BodyRow& row, double friction, int id)
 {
 	const bool free = row.mass > 0;
 	cpBody*    body = cpSpaceAddBody(space, free ? cpBodyNew(row.mass, row.isGrain() ? row.inertia : INFINITY) : cpBodyNewKinematic());
-	cpBodySetPosition(body, vect(row.x, row.y));
+	cpBodySetPosition(body, cpv(row.x, row.y));
 	cpBodySetAngle(body, row.angle);
-	cpBodySetVelocity(body, vect(row.vx, row.vy));
+	cpBodySetVelocity(body, cpv(row.vx, row.vy));
 	cpBodySetAngularVelocity(body, row.omega);
 	cpBodySetUserData(body, reinterpret_cast<cpDataPointer>(static_cast<std::intptr_t>(id)));
 	cpShape* shape;
 	if (row.isGrain()) {
-		const cpVect end  = vect(row.halfLength, 0);
+		const cpVect end  = cpv(row.halfLength, 0);
 		const bool   disc = row.halfLength == 0;
 		shape             = disc ? cpCircleShapeNew(body, row.radius, cpvzero) : cpSegmentShapeNew(body, cpvneg(end), end, row.radius);
 		cpShapeSetFriction(shape, std::sqrt(friction)); // Chipmunk multiplies the values of both shapes
 	} else {
-		const cpVect normal = vect(row.normalX, row.normalY), along = cpvmult(cpvperp(normal), wallHalfLength);
+		const cpVect normal = cpv(row.normalX, row.normalY), along = cpvmult(cpvperp(normal), wallHalfLength);
 		const cpVect middle = cpvmult(normal, -wallThickness / 2);
 		shape               = cpSegmentShapeNew(body, cpvsub(middle, along), cpvadd(middle, along), wallThickness / 2);
 		cpShapeSetFriction(shape, 0);
@@ -74,7 +72,7 @@ Outcome run(const Task& task)
 	Outcome outcome { std::string("Chipmunk ") + cpVersionString, {}, {}, {}, {} };
 	for (int step = 0; step < task.steps; ++step) {
 		for (std::size_t i = 0; i < bodies.size(); ++i)
-			if (task.bodies[i].mass > 0) cpBodySetForce(bodies[i], vect(task.bodies[i].fx, task.bodies[i].fy));
+			if (task.bodies[i].mass > 0) cpBodySetForce(bodies[i], cpv(task.bodies[i].fx, task.bodies[i].fy));
 		outcome.before = velocities(bodies);
 		outcome.seconds.push_back(secondsOf([&] { cpSpaceStep(space, task.dt); }));
 	}
@@ -83,7 +81,7 @@ Outcome run(const Task& task)
 		cpBodyEachArbiter(body, list, &outcome.contacts);
 	for (ContactRow& c : outcome.contacts) { // at the positions of the contact detection
 		const cpVect x1 = cpBodyGetPosition(bodies[c.body1]), x2 = cpBodyGetPosition(bodies[c.body2]);
-		c.gap           = cpvdot(cpvsub(cpvadd(x2, vect(c.r2x, c.r2y)), cpvadd(x1, vect(c.r1x, c.r1y))), vect(c.nx, c.ny));
+		c.gap           = cpvdot(cpvsub(cpvadd(x2, cpv(c.r2x, c.r2y)), cpvadd(x1, cpv(c.r1x, c.r1y))), cpv(c.nx, c.ny));
 	}
 	return outcome;
 }

@@ -84,13 +84,11 @@ rootfs_from_mirrors() {
         why=$(rootfs_reason "$new/output")
         rm -f "$new/stage"
         say "$(mirror_names "$sources") failed: $why"
-        mirror_failed || break
+        # another mirror helps only if this one failed
+        grep -q 'Failed to fetch\|apt-get update.*failed' "$new/output" || break
     done < <(rootfs_mirrors)
     return 1
 }
-
-# mirror_failed: the last attempt failed by its mirror, so another one may work
-mirror_failed() { grep -q 'Failed to fetch\|apt-get update.*failed' "$new/output"; }
 
 mirror_names() {
     grep -oE '[a-z]+://[^ ;]+' <<<"$1" | sort -u | paste -sd ' ' | grep . ||
