@@ -169,7 +169,7 @@ def time_checkpoint(folder, way, options):
     solver.observed()
     scene.timingEnabled = True
     timing.reset()
-    parts, in_arrays = dict(solver.seconds), solver.model["array_steps"]
+    before, in_arrays = dict(solver.seconds), solver.model["array_steps"]
     times = []
     for done in range(0, options.steps, BLOCK):
         count = min(BLOCK, options.steps - done)
@@ -178,17 +178,15 @@ def time_checkpoint(folder, way, options):
         times.append((time.perf_counter() - start) / count)
     scene.timingEnabled = False
     seen = solver.observed()
-    parts = {name: 1e3 * (seconds - parts.get(name, 0)) / options.steps
-             for name, seconds in solver.seconds.items()}
     name = os.path.basename(os.path.normpath(folder))
     about = dict(folder=name, grains=len(test.grains), points=solver.contactPoints,
                  threads=options.threads, way=way)
     engines = [(engine.label or type(engine).__name__, 1e-6 * engine.execTime / options.steps)
                for engine in scene.engines if not engine.dead]
+    parts = [(f"ContactDynamics: {part}", 1e3 * (seconds - before.get(part, 0)) / options.steps)
+             for part, seconds in solver.seconds.items()]
     total = sum(ms for _, ms in engines)
-    rows = [dict(about, engine=name, ms=ms, share=ms / total) for name, ms in engines]
-    rows += [dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total)
-             for name, ms in parts.items()]
+    rows = [dict(about, engine=engine, ms=ms, share=ms / total) for engine, ms in engines + parts]
     whole = dict(about, eta=test.parameters["eta"], steps=options.steps,
                  in_arrays=solver.model["array_steps"] - in_arrays, ms=1e3 * float(np.mean(times)),
                  ms_least=1e3 * min(times), iterations=seen["iterations"] / options.steps,
@@ -197,13 +195,9 @@ def time_checkpoint(folder, way, options):
 
 
 def time_yade(options):
-    engines, whole = [], []
-    for folder in options.inputs:
-        for way in WAYS:
-            rows, row = time_checkpoint(folder, way, options)
-            engines += rows
-            whole.append(row)
-    return dict(yade_engines=engines, yade_step=whole)
+    engines, whole = zip(*(time_checkpoint(folder, way, options)
+                           for folder in options.inputs for way in WAYS))
+    return dict(yade_engines=sum(engines, []), yade_step=whole)
 
 
 # ---- the script

@@ -6,6 +6,7 @@ three times and changed by 5 % (`benchmarks.measure.mirrored`): large problems w
 
 import math
 import os
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -82,12 +83,10 @@ def _solved(library, problem, options):
         max_iterations=5000 if options.quick else 10000, siconos=options.siconos,
         limit=2 if options.quick else 10,
     )  # fmt: skip
+    measured = (partial(bench_solver.tolerance_rows, case, library) if ours
+                else partial(bench_solver.siconos_rows, case))
     for warm in False, True:
-        if ours:
-            rows = bench_solver.tolerance_rows(case, library, warm, given)
-        else:
-            rows = bench_solver.siconos_rows(case, warm, given)
-        for row in rows:
+        for row in measured(warm, given):
             if ours or row["reached"]:
                 yield dict(library=row.get("solver") or row["peer"], contacts=case.points,
                            start=row["start"], tolerance=row["tolerance"],
