@@ -14,8 +14,6 @@ import pytest
 from natural_map import error
 from rcr import _kernel, problems
 
-SWEEPS = ["nlgs", "sor", "nesterov"]
-SOLVERS = _kernel.solver_names()
 DATA = Path(__file__).parents[1] / "data"
 ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
 ROUNDING = 1e-13  # of a residual: sums of some thousand velocities with errors of 1e-16

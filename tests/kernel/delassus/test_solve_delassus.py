@@ -7,11 +7,10 @@ import itertools
 
 import numpy as np
 import pytest
+from common import refused
 from kernel.contact_problems import dense, problem_of
 from natural_map import residual
 from rcr import _kernel, problems
-
-SOLVERS = ["nlgs", "sor", "nesterov", "exact", "auto"]
 
 
 class Problem(problems.DelassusProblem):
@@ -112,21 +111,18 @@ def test_one_row_is_the_problem_of_one_point():
     np.testing.assert_allclose(found["impulse"], expected, rtol=1e-12, atol=1e-14)
 
 
-def test_column_carries_the_weight_above():
+def test_column_carries_the_weight_above(solver):
     """Ten bodies of mass m fall onto each other at speed v: contact k carries Σ m v above it."""
     count, mass, speed = 10, 2.0, 0.1
     jacobian = np.eye(count) - np.eye(count, k=-1)
     w = np.kron(jacobian @ jacobian.T / mass, np.diag([1.0, 0.0]))
     w += np.kron(np.eye(count), np.diag([0.0, 1.0]))
     q = np.column_stack([jacobian @ np.full(count, -speed), np.zeros(count)])
-    problem = Problem(w, q, np.full(count, 0.5))
+    found = Problem(w, q, np.full(count, 0.5)).solve(solver, tolerance=1e-12, max_iterations=10000)
     expected = mass * speed * np.arange(count, 0, -1)
-    for solver in SOLVERS:
-        found = problem.solve(solver, tolerance=1e-12, max_iterations=10000)
-        np.testing.assert_allclose(found["impulse"][:, 0], expected, rtol=1e-9)
+    np.testing.assert_allclose(found["impulse"][:, 0], expected, rtol=1e-9)
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
 def test_brute_force_finds_the_same_impulses(solver):
     """Three points on three bodies, small µ: one solution, found by trying all 4³ states."""
     compared = 0
@@ -142,7 +138,6 @@ def test_brute_force_finds_the_same_impulses(solver):
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
-@pytest.mark.parametrize("solver", SOLVERS)
 def test_solutions_satisfy_the_laws(name, solver):
     """Repeated runs give the same bits; a warm start from the solution needs no sweep."""
     problem = PROBLEMS[name]()
@@ -161,7 +156,6 @@ def test_solutions_satisfy_the_laws(name, solver):
 
 
 @pytest.mark.parametrize("tolerance, count", [(0, 1), (0, 300), (0, 7), (1e-8, 7)])
-@pytest.mark.parametrize("solver", SOLVERS)
 def test_too_few_sweeps_are_reported_as_not_converged(solver, tolerance, count):
     problem = PROBLEMS["heaps"]()
     found = problem.solve(solver, tolerance=tolerance, max_iterations=count)
@@ -182,7 +176,6 @@ def test_open_contacts_carry_no_impulse():
     assert found["converged"] and not found["impulse"].any()
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
 def test_contact_of_two_driven_bodies_carries_no_impulse(solver):
     """w_nn = 0: the impulse is zero, even where the contact closes or starts with an impulse."""
     w = np.diag([2.0, 1.0, 0.0, 0.0, 0.0, 1.0])
@@ -194,7 +187,6 @@ def test_contact_of_two_driven_bodies_carries_no_impulse(solver):
         np.testing.assert_allclose(u, [[0, -2.5], [-1, 1], [-1, 2]], atol=1e-12)
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
 def test_rounded_asymmetry_of_w_is_solved_exactly(solver):
     """Files store W_tn and W_nt that differ by 1e-9: the residual refers to W as given."""
     problem = heap(0, 5, 8)  # point 0 sticks
@@ -209,8 +201,8 @@ def test_refuses_friction_that_hides_errors():
     q, start = [[-1, 0], [-1, 1]], [[1, 0], [0, 0]]
     found = Problem(np.eye(4), q, [0, 1e3], start).solve("nlgs")
     assert found["iterations"] > 0 and found["relative_velocity"][1, 0] > -1e-12
-    with pytest.raises(ValueError, match="contact 1: µ = 100000 is too large to measure errors"):
-        Problem(np.eye(4), q, [0, 1e5], start).solve("nlgs")
+    refused("contact 1: µ = 100000 is too large to measure errors",
+            Problem(np.eye(4), q, [0, 1e5], start).solve, "nlgs")
 
 
 # ---- malformed problems
@@ -254,5 +246,4 @@ def rows(row_start, column):
 ])
 def test_refuses(changes, says):
     _kernel.solve_delassus(**arrays())
-    with pytest.raises(ValueError, match=says):
-        _kernel.solve_delassus(**arrays() | changes)
+    refused(says, _kernel.solve_delassus, **arrays() | changes)

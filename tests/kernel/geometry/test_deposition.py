@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-
+from common import refused
 from rcr import _kernel
 
 TOUCH = 1e-8  # tolerance of touching, over a radius; 1e-9 in the kernel
@@ -72,5 +72,4 @@ def test_discs_touch_two_and_overlap_nothing():
     "radii, width", [([1.0], 1.9), ([1.0, -1.0], 9), ([np.nan], 9), ([1.0], np.inf)])
 def test_invalid_radii_are_rejected(radii, width):
     message = r"radii\[.\] = .* in a box of width .*; expected 0 < 2 radius <= width"
-    with pytest.raises(ValueError, match=message):
-        _kernel.deposit(np.array(radii), width)
+    refused(message, _kernel.deposit, np.array(radii), width)

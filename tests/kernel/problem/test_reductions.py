@@ -6,10 +6,10 @@ velocities of problems with a unique solution (no friction) agree to the accurac
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (ALL, EQUAL, SWEEPS, assert_laws, assert_same_bits,
-                                     assert_solved, beside, discs, errors, frictionless,
-                                     grains_on_a_floor, heaps, model, models_in_a_workspace,
-                                     parts_of, pile, square_discs, stored, without)
+from kernel.contact_problems import (ALL, EQUAL, assert_laws, assert_same_bits, assert_solved,
+                                     beside, discs, errors, frictionless, grains_on_a_floor, heaps,
+                                     model, models_in_a_workspace, parts_of, pile, square_discs,
+                                     stored, without)
 
 
 def full_and_reduced(problem, *left_out, solver="nesterov", **settings):
@@ -19,26 +19,24 @@ def full_and_reduced(problem, *left_out, solver="nesterov", **settings):
             [model(problem, reductions=r) for r in chosen])
 
 
-@pytest.mark.parametrize("solver", SWEEPS)
 @pytest.mark.parametrize("make",
                          [lambda: pile(1), lambda: pile(2, 30, 12), lambda: square_discs(3)],
                          ids=["pile 1", "pile 2", "discs"])
-def test_normal_impulses_alone_change_no_bit(make, solver):
+def test_normal_impulses_alone_change_no_bit(make, sweeper):
     problem = frictionless(make())
     full, reduced = (
-        problem.solve(solver, tolerance=0, max_iterations=35, reductions=without("discs", *more))
+        problem.solve(sweeper, tolerance=0, max_iterations=35, reductions=without("discs", *more))
         for more in (("frictionless",), ()))
     assert_same_bits(full, reduced, problem.name, EQUAL)
 
 
-@pytest.mark.parametrize("solver", SWEEPS)
-def test_some_frictionless_pairs_change_no_bit_of_a_sweep(solver):
+def test_some_frictionless_pairs_change_no_bit_of_a_sweep(sweeper):
     """Frictionless pairs have separate blocks. Momentum then sums errors in another order."""
     problem = pile(4, 30, 12)
     problem["friction"] = np.where(problem["bodies"][:, 0] % 2, 0.4, 0.0)
-    (full, reduced), models = full_and_reduced(problem, "frictionless", solver=solver, tolerance=0,
+    (full, reduced), models = full_and_reduced(problem, "frictionless", solver=sweeper, tolerance=0,
                                                max_iterations=20)
-    if solver == "nesterov":
+    if sweeper == "nesterov":
         np.testing.assert_allclose(reduced["velocity"], full["velocity"], rtol=0, atol=1e-12)
     else:
         assert_same_bits(full, reduced, problem.name)
@@ -46,10 +44,9 @@ def test_some_frictionless_pairs_change_no_bit_of_a_sweep(solver):
     assert points < models[1]["unknowns"] < models[0]["unknowns"] == 2 * points
 
 
-@pytest.mark.parametrize("solver", SWEEPS)
-def test_zero_levers_without_rotations_change_no_bit(solver):
+def test_zero_levers_without_rotations_change_no_bit(sweeper):
     problem = square_discs(1)
-    (full, reduced), models = full_and_reduced(problem, "discs", "frictionless", solver=solver,
+    (full, reduced), models = full_and_reduced(problem, "discs", "frictionless", solver=sweeper,
                                                tolerance=0, max_iterations=35)
     assert models[0]["rotations"] > 0 == models[1]["rotations"]
     assert_same_bits(full, reduced, problem.name, ("impulse", "residual"))
@@ -117,15 +114,14 @@ def test_the_model_follows_the_problem(change):
         assert second["frictionless"] == (change == "lever")
 
 
-@pytest.mark.parametrize("solver", SWEEPS)
-def test_islands_are_independent(solver):
+def test_islands_are_independent(sweeper):
     """An island has the same bits alone and beside others, and its own number of sweeps."""
     grains = [grains_on_a_floor(1, k, 1 + k % 2) for k in range(40)]
     problems = [*heaps(10), *grains, *(pile(60 + k, 2, 2) for k in range(20))]
     settings = dict(tolerance=1e-3, max_iterations=20000)
-    alone = [problem.solve(solver, **settings) for problem in problems]
+    alone = [problem.solve(sweeper, **settings) for problem in problems]
     for threads, lanes in (1, 8), (2, 4), (4, 1):
-        together = beside(*problems).solve(solver, threads=threads, lanes=lanes, **settings)
+        together = beside(*problems).solve(sweeper, threads=threads, lanes=lanes, **settings)
         for problem, one, part in zip(problems, alone, parts_of(together, problems)):
             where = f"{problem.name}, seed {problem.seed}, {threads} threads, {lanes} lanes"
             assert_same_bits(one, part, where)
@@ -133,7 +129,7 @@ def test_islands_are_independent(solver):
         # converged islands are not swept
         assert together["work"] == sum(one["work"] for one in alone)
         assert together["converged"] == all(one["converged"] for one in alone)
-        assert together["converged"] or solver == "sor"  # sor cycles on one of the small piles
+        assert together["converged"] or sweeper == "sor"  # sor cycles on one of the small piles
 
 
 def test_work_of_heaps_is_the_sum_of_their_work():
@@ -174,15 +170,14 @@ def test_bodies_that_connect_islands():
     assert model(both)["islands"] >= 2 * model(heap)["islands"]
 
 
-@pytest.mark.parametrize("solver", SWEEPS)
-def test_many_single_grains(solver):
+def test_many_single_grains(sweeper):
     """Islands of one pair, sixteen per register, with one point or two, some without error."""
     problems = [grains_on_a_floor(333, 1), grains_on_a_floor(200, 2, 2)]
     problems.append(frictionless(grains_on_a_floor(40, 3, 2)))
     problems[0]["free_velocity"][:333:3, 1] = 0.2  # these separate
     whole = beside(*problems)
     assert model(whole)["islands"] == 573
-    result = assert_solved(whole, solver, 1e-10, max_iterations=1000)
+    result = assert_solved(whole, sweeper, 1e-10, max_iterations=1000)
     assert result["work"] < result["iterations"] * len(whole["bodies"])
 
 

@@ -63,7 +63,6 @@ def test_open_contact_without_friction_has_no_error():
     assert _kernel.residual(**grain((0, 0), v=(0.0, -1.0))) > 1e7
 
 
-@pytest.mark.parametrize("solver", ["nlgs", "nesterov", "exact"])
 @pytest.mark.parametrize("make", [lambda: pile(4), lambda: square_discs(2)])
 def test_solvers_report_these_errors(make, solver):
     """The packed sums of the sweeps agree with the definition."""

@@ -1,8 +1,7 @@
 """The packed problem of a workspace follows changes and keeps no trace of earlier problems."""
 
 import numpy as np
-import pytest
-from kernel.contact_problems import (EQUAL, SWEEPS, assert_same_bits, assert_solved,
+from kernel.contact_problems import (EQUAL, assert_same_bits, assert_solved,
                                      models_in_a_workspace, pile, without)
 from rcr import _kernel
 
@@ -20,17 +19,16 @@ def shear_steps(seed, steps):
         yield whole.at_points(f"step {step}", there[pair_of.ravel()])
 
 
-@pytest.mark.parametrize("solver", SWEEPS)
-def test_a_workspace_follows_pairs_that_come_and_go(solver):
+def test_a_workspace_follows_pairs_that_come_and_go(sweeper):
     """It has a new layout exactly where pairs change. Kept layouts change no bit at any lanes and
     threads.
     """
     workspaces = {choice: _kernel.Workspace() for choice in ((1, 1), (4, 1), (8, 2), (8, 4))}
     other, before, changes = _kernel.Workspace(), None, 0
     for problem in shear_steps(5, 60):
-        fresh = assert_solved(problem, solver, 1e-3, workspace=other, reductions=without("layout"))
+        fresh = assert_solved(problem, sweeper, 1e-3, workspace=other, reductions=without("layout"))
         for (lanes, threads), workspace in workspaces.items():
-            kept = problem.solve(solver, tolerance=1e-3, max_iterations=20_000, lanes=lanes,
+            kept = problem.solve(sweeper, tolerance=1e-3, max_iterations=20_000, lanes=lanes,
                                  threads=threads, workspace=workspace)
             assert_same_bits(kept, fresh, f"{problem.name}, {lanes} lanes, {threads} threads")
         changes += before is None or not np.array_equal(before, problem["bodies"])
@@ -53,8 +51,7 @@ def altered(problem, rng):
     return new
 
 
-@pytest.mark.parametrize("solver", SWEEPS)
-def test_a_workspace_keeps_no_trace(solver):
+def test_a_workspace_keeps_no_trace(sweeper):
     """Earlier problems change no bit: a loaded simulation starts with a new workspace."""
     for seed in range(20):
         rng = np.random.default_rng(seed)
@@ -62,10 +59,10 @@ def test_a_workspace_keeps_no_trace(solver):
         workspace = _kernel.Workspace()
         for _ in range(rng.integers(1, 4)):
             altered(problem, rng).solve(
-                solver, tolerance=0, max_iterations=int(rng.integers(1, 30)), workspace=workspace)
-        alone = problem.solve(solver, tolerance=0, max_iterations=25)
+                sweeper, tolerance=0, max_iterations=int(rng.integers(1, 30)), workspace=workspace)
+        alone = problem.solve(sweeper, tolerance=0, max_iterations=25)
         for number in range(2):
-            kept = problem.solve(solver, tolerance=0, max_iterations=25, workspace=workspace)
+            kept = problem.solve(sweeper, tolerance=0, max_iterations=25, workspace=workspace)
             assert_same_bits(kept, alone, f"seed {seed}, solve {number}", EQUAL)
 
 
