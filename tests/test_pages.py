@@ -2,10 +2,10 @@
 
 import pathlib
 import re
-import subprocess
 import sys
 
 import pytest
+from common import ended
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "pkg" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -53,9 +53,7 @@ def test_every_page_is_in_the_contents():
 
 
 def test_tables_are_those_of_their_files():
-    done = subprocess.run([sys.executable, ROOT / "docs" / "generate" / "tables.py", "--check"],
-                          capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
+    ended(sys.executable, ROOT / "docs" / "generate" / "tables.py", "--check", timeout=120)
 
 
 def test_readme_counts_the_statements_that_agree():
