@@ -191,22 +191,13 @@ def counterparts():
 
 
 TABLES = {
-    "colors": colors,
-    "contact-colors": contact_colors,
-    "quantities": quantities,
-    "counterparts": counterparts,
     "one-step": lambda: ratios("a", "a-one-step"),
     "deterministic": lambda: ratios("b", "b-deterministic"),
     "size": lambda: ratios("f", "f-size"),
-    "hard-scenes": hard_scenes,
-    "stability": stability,
-    "study": study,
     "quasi-static": lambda: ratios("e", "e-quasi-static", quasi_static_row),
-    "examples": examples,
-    "sloshing": sloshing,
-    "step-threads": step_threads,
-    "driven-scenes": driven_scenes,
-}
+} | {function.__name__.replace("_", "-"): function for function in (
+    colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
+    sloshing, step_threads, driven_scenes)}
 
 
 def updated(page):
