@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from natural_map import error
 from rcr import _kernel, problems
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 DATA = Path(__file__).parents[1] / "data"
 ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
@@ -96,6 +98,14 @@ def errors(problem, p):
     u = jacobian_times(problem, velocity(problem, p))
     u[:, 0] += problem["bias"]
     return error(p, u, problem["friction"], w), np.linalg.norm(p[w > 0])
+
+
+def islands(moves, bodies):
+    """Number of the island of each pair of bodies (n, 2); −1 where neither moves."""
+    links = bodies[moves[bodies].all(1)].T
+    graph = coo_array((np.ones(len(links[0])), links), (len(moves), len(moves)))
+    label = connected_components(graph, directed=False)[1]
+    return np.where(moves[bodies], label[bodies], -1).max(1)
 
 
 def assert_laws(problem, result, tolerance):

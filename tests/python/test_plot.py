@@ -1,6 +1,7 @@
 """Pictures and films of networks, without YADE and without a display."""
 
 import sys
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -306,16 +307,13 @@ def test_a_film_needs_pictures_of_one_size(tmp_path):
     assert len(moments_of(rcr.movie(tmp_path))) == 2
 
 
-def stop(*_, **__):
-    raise KeyboardInterrupt
-
-
 def test_a_failed_film_leaves_nothing(tmp_path, monkeypatch):
     refused("no pictures and no networks", rcr.movie, tmp_path)
     packing(0.5).save(tmp_path / "network.h5")
     monkeypatch.setattr(matplotlib.animation.FFMpegWriter, "isAvailable", lambda: False)
     refused("ffmpeg, which is not installed", rcr.movie, tmp_path, tmp_path / "a.mp4")
-    monkeypatch.setattr(matplotlib.animation.PillowWriter, "grab_frame", stop)
+    monkeypatch.setattr(matplotlib.animation.PillowWriter, "grab_frame",
+                        mock.Mock(side_effect=KeyboardInterrupt))
     refused("", rcr.movie, tmp_path, error=KeyboardInterrupt)
     assert [p.name for p in tmp_path.iterdir()] == ["network.h5"]
 

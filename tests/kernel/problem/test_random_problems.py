@@ -5,7 +5,8 @@ What converged must satisfy the laws on each island, with impulses far from over
 
 import numpy as np
 import pytest
-from kernel.contact_problems import errors, jacobian_times, problem_of, velocity, weights
+from kernel.contact_problems import (errors, islands, jacobian_times, problem_of, velocity,
+                                     weights)
 
 BLOCKED = {0: (), 1: (0, 1, 2), 2: (1, 2), 3: (0, 1), 4: (2,)}  # kind: blocked directions
 
@@ -34,18 +35,6 @@ def random_problem(seed):
         np.where(rng.random(points) < 0.3, 0, rng.uniform(0, 1.2, points)), seed=seed)
 
 
-def islands(problem):
-    """Number of the island of each point; −1: two prescribed bodies."""
-    label = np.arange(len(problem["inverse_mass"]))
-    moves = problem["inverse_mass"].any(1)
-    for _ in label:
-        for a, b in problem["bodies"]:
-            if moves[a] and moves[b]:
-                label[[a, b]] = min(label[a], label[b])
-    a, b = problem["bodies"].T
-    return np.where(moves[a], label[a], np.where(moves[b], label[b], -1))
-
-
 @pytest.mark.parametrize("seed", range(60))
 def test_what_converged_satisfies_the_laws_on_each_island(solver, seed):
     problem, rng = random_problem(seed), np.random.default_rng(seed)
@@ -54,7 +43,8 @@ def test_what_converged_satisfies_the_laws_on_each_island(solver, seed):
                           yield_compliance=rng.choice([0, 0.01]))
     if not found["converged"]:
         return
-    p, of_point = found["impulse"], islands(problem)
+    p = found["impulse"]
+    of_point = islands(problem["inverse_mass"].any(1), problem["bodies"])
     blocked = weights(problem) < 1e-18 * problem["inverse_mass"].max()
     u = jacobian_times(problem, velocity(problem, p))[:, 0] + problem["bias"]
     stopping = (abs(u) + abs(problem["bias"])) / np.where(blocked, np.inf, weights(problem))

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (ALL, beside, discs, frictionless, grains_on_a_floor, hub, pile,
-                                     problem_of, square_discs, wall_of_bricks, without)
+from kernel.contact_problems import (ALL, beside, discs, frictionless, grains_on_a_floor, hub,
+                                     islands, pile, problem_of, square_discs, wall_of_bricks,
+                                     without)
 from rcr import _kernel
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 WIDTH, NO_SLOT = 16, -1  # slots of a block; a pair without slot
 COLOURS = 16
@@ -38,13 +37,18 @@ def spindle(layers):
 
 @pytest.fixture(scope="module", params=PROBLEMS)
 def case(request):
-    """A problem and its layout, with the fixed bodies and the island of each pair."""
+    """A problem and its layout, with the fixed bodies and the island of each pair.
+
+    Islands are in the order of their first pairs; −1: two driven bodies.
+    """
     problem = PROBLEMS[request.param]()
     arrays = "pairs", "islands", "sections", "chunks", "blocks1", "blocks2", "records"
     layout = {key: np.array(value) if key in arrays else value
               for key, value in _kernel.layout(ALL, **problem).items()}
-    fixed = ~problem["inverse_mass"].any(1)
-    return problem, layout | dict(fixed=fixed, of=islands_of(fixed, layout["pairs"]))
+    fixed, number = ~problem["inverse_mass"].any(1), {-1: -1}
+    of = [number.setdefault(label, len(number) - 1)
+          for label in islands(~fixed, layout["pairs"][:, :2])]
+    return problem, layout | dict(fixed=fixed, of=np.array(of))
 
 
 def test_pairs_join_neighbouring_points(case):
@@ -60,16 +64,6 @@ def test_pairs_join_neighbouring_points(case):
         else:
             pairs.append([a, b, 1])
     np.testing.assert_array_equal(layout["pairs"][:, :3], pairs)
-
-
-def islands_of(fixed, pairs):
-    """The island of each pair, in the order of their first pairs; −1 between driven bodies."""
-    free = pairs[~fixed[pairs[:, :2]].any(1)]
-    graph = coo_array((np.ones(len(free)), free[:, :2].T), (len(fixed), len(fixed)))
-    part, number = connected_components(graph, directed=False)[1], {}
-    return np.array([-1 if fixed[a] and fixed[b]
-                     else number.setdefault(part[b if fixed[a] else a], len(number))
-                     for a, b, *_ in pairs.tolist()])
 
 
 def test_islands_are_the_connected_parts(case):

@@ -8,9 +8,9 @@ from kernel.contact_problems import (assert_lanes_and_threads_change_no_bit, ass
 UNCHECKED = dict(tolerance=0, check_interval=1_000_000)  # no evaluation returns to doubles
 
 
-def large(kind=lambda problem: problem):
+def large():
     """One island of some 4000 pairs, with the impulses of 400 sweeps."""
-    return kind(pile(2, 60, 40))
+    return pile(2, 60, 40)
 
 
 def on_a_plate(problem):
@@ -22,13 +22,10 @@ def on_a_plate(problem):
     return problem.copy(f"{problem.name}, on a plate", inverse_mass=mass)
 
 
-KINDS = {"frictional": large, "frictionless": lambda: large(frictionless),
-         "discs": lambda: large(discs), "overflow": lambda: large(on_a_plate)}
-
-
-@pytest.fixture(params=KINDS, scope="module")
+@pytest.fixture(params=[lambda problem: problem, frictionless, discs, on_a_plate],
+                ids=["frictional", "frictionless", "discs", "overflow"], scope="module")
 def problem(request):
-    return KINDS[request.param]()
+    return request.param(large())
 
 
 @pytest.mark.parametrize("solver, residual", [("nesterov", 1e-6), ("sor", 1e-6), ("nlgs", 2e-5)])
