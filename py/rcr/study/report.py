@@ -1,7 +1,6 @@
 """Files of an analysis: tables, pictures and report. Needs NumPy, h5py and Matplotlib."""
 
 import base64
-import dataclasses
 import html
 import io
 import json
@@ -90,12 +89,10 @@ def _map_networks(runs):
 def _page(runs, analysis, table, pictures):
     small = max(map(int, analysis["O1"]["value"]["particles"])) < FEWEST
     rows = "".join(_row(row, small) for row in table)
-    parts = [
-        _HEAD, "<h1>Force networks of elongated particles</h1>",
-        f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>",
-        f"<p>{_SMALL if small else ''}{summary(table)}. {_RULE}</p>",
-        f"<table>{_TITLES}{rows}</table>", "<h2>Figures</h2>",
-    ]  # fmt: skip
+    parts = [_HEAD, "<h1>Force networks of elongated particles</h1>",
+             f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>",
+             f"<p>{_SMALL if small else ''}{summary(table)}. {_RULE}</p>",
+             f"<table>{_TITLES}{rows}</table>", "<h2>Figures</h2>"]
     for key, entry in analysis.items():
         images = "".join(_image(path) for path in pictures[key])
         caption = f"<b>{key}</b> Paper: {html.escape(entry['paper'])}."
@@ -208,20 +205,18 @@ def yielded_steps(runs):
 
 def markdown(table):
     """Return the table in Markdown."""
-    names = ("observable", "statement", "criterion", "value", "error", "verdict")
-    rows = [("", "paper", "agrees if", "measured", "error", "verdict"), ("---",) * len(names)]
-    rows += [tuple(getattr(row, name) for name in names) for row in table]
+    rows = [("", "paper", "agrees if", "measured", "error", "verdict"), ("---",) * 6, *table]
     escaped = ([cell.replace("|", "\\|") for cell in row] for row in rows)
     return "".join("| " + " | ".join(row) + " |\n" for row in escaped)
 
 
 def _row(row, grey):
-    text = {name: html.escape(value) for name, value in dataclasses.asdict(row).items()}
-    link = "<a href='#{observable}'>{observable}</a>".format(**text)
-    said = "{statement}<br><small>{criterion}</small>".format(**text)
+    observable, statement, criterion, value, error, verdict = map(html.escape, row)
+    link = f"<a href='#{observable}'>{observable}</a>"
+    said = f"{statement}<br><small>{criterion}</small>"
     shade = "open" if grey else _CLASS[row.verdict]
-    cells = "".join(f"<td>{cell}</td>" for cell in (link, said, text["value"], text["error"]))
-    return f"<tr>{cells}<td class='{shade}'>{text['verdict']}</td></tr>"
+    cells = "".join(f"<td>{cell}</td>" for cell in (link, said, value, error))
+    return f"<tr>{cells}<td class='{shade}'>{verdict}</td></tr>"
 
 
 def _image(path):

@@ -4,7 +4,7 @@ A criterion accepts a value within its tolerance or two standard errors, whichev
 trend beyond two standard errors. Statements without the data they need are not tested.
 """
 
-import dataclasses
+import typing
 
 from rcr.study.claims import statements  # noqa: F401  registers
 from rcr.study.claims.criteria import CLAIMS, NotTested
@@ -12,8 +12,7 @@ from rcr.study.claims.criteria import CLAIMS, NotTested
 AGREES, DIFFERS, NOT_TESTED = "agrees", "does not agree", "not tested"
 
 
-@dataclasses.dataclass(frozen=True)
-class Finding:
+class Finding(typing.NamedTuple):
     """One row of the table."""
 
     observable: str  # O1 … O18
