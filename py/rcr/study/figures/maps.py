@@ -9,11 +9,12 @@ import matplotlib
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
-from matplotlib.colors import Normalize, to_rgba, to_rgba_array
+from matplotlib.colors import Normalize, to_rgba_array
 from matplotlib.lines import Line2D
 
 from rcr._pictures import drawing
 from rcr._pictures.drawing import GRAIN, MOBILIZED, RATTLER, STRONG, STYLE, TYPES, WEAK
+from rcr._pictures.grain_colors import grain_colors
 from rcr.frame import Frame
 from rcr.network import SIDE_SIDE
 
@@ -46,8 +47,7 @@ def _grey(frame):
 def plot_packing(network):
     """Draw grains coloured by the orientation of their long axes, discs grey [O2]."""
     frame, ax = _canvas(network)
-    long = frame.grains["half_length"][:, None] > 0
-    _grains(frame, ax, np.where(long, _orientation_colors(frame), to_rgba(GRAIN)), "0.2")
+    _grains(frame, ax, _orientation_colors(frame), "0.2")
     return ax
 
 
@@ -67,7 +67,7 @@ def plot_mobilization(network):
 
 
 def _orientation_colors(frame):
-    return matplotlib.colormaps["hsv"]((frame.grains["angle"] % np.pi) / np.pi)
+    return grain_colors(frame, "orientation", None, None)[0]
 
 
 def plot_nematic(network):

@@ -10,10 +10,9 @@ from rcr.study.claims.paper import POLAR_ETA, nearest
 from rcr.study.figures.plot_style import MARKERS, column, color, xi_color
 
 
-def xi_label(value, xi, name):
-    """Return the label of a cutoff; the last one is infinite."""
-    top = column(value, name)[-1]
-    return r"$\xi = \infty$" if xi == top else rf"$\xi = {xi:g}$"
+def xi_labels(value, name):
+    """Return the labels of cutoffs; the last one is infinite."""
+    return [*(rf"$\xi = {xi:g}$" for xi in column(value, name)[:-1]), r"$\xi = \infty$"]
 
 
 def plot_polar(theta, rows, fits, labels, ax):
@@ -64,7 +63,7 @@ def plot_contact_directions(value, ax):
         return lambda theta: (1 + size * np.cos(2 * (theta - sigma - off))) / np.pi
 
     fits = map(fit, column(value, "amplitude")[row], column(value, "off_axis")[row])
-    labels = [xi_label(value, xi, "xi") for xi in column(value, "xi")]
+    labels = xi_labels(value, "xi")
     return plot_polar(column(value, "theta"), column(value, "pdf")[row], fits, labels, ax)
 
 
@@ -74,10 +73,9 @@ def plot_vector_directions(value, name, sigma, ax):
     amplitudes = column(value, f"{name}_amplitude")[row]
     means = column(value, f"{name}_mean")[row] if name.endswith("n") else np.zeros_like(amplitudes)
     wave = np.cos if name.endswith("n") else np.sin
-    fits = [
-        lambda theta, m=m, a=a: m + a * wave(2 * (theta - sigma)) for m, a in zip(means, amplitudes)
-    ]
-    labels = [xi_label(value, xi, "xi_polar") for xi in column(value, "xi_polar")]
+    fits = [lambda theta, m=m, a=a: m + a * wave(2 * (theta - sigma))
+            for m, a in zip(means, amplitudes)]
+    labels = xi_labels(value, "xi_polar")
     return plot_polar(column(value, "theta"), column(value, name)[row], fits, labels, ax)
 
 
