@@ -22,9 +22,8 @@ from rcr import script
 from rcr._data import files, results
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
-from rcr.study.protocol import (
-    DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_networks, check_parameters,
-)  # fmt: skip
+from rcr.study.protocol import (DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_networks,
+                                check_parameters)
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", NETWORKS]

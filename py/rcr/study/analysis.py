@@ -30,10 +30,8 @@ from rcr.study.statistics import mean_of_finite, standard_error
 WINDOW = 0.01  # strain over which stresses are averaged for the curve of sin φ
 SEEDS = 3  # number of seeds from which on errors are those over the seeds
 BLOCKS = 5  # of a history, each longer than the correlation of sin φ, for its standard error
-ISOTROPIC = (
-    "a_c", "contacts", "order", "packing_fraction", "coordination_number",
-    "coordination_number_twice",
-)  # fmt: skip
+ISOTROPIC = ("a_c", "contacts", "order", "packing_fraction", "coordination_number",
+             "coordination_number_twice")
 
 
 def samples(runs):

@@ -146,7 +146,6 @@ class Biaxial:
         wall stresses are within 1 % of σ₀, or within 3 % in a packing that creeps. `report` is
         called with the test after every step of the collapse and every interval of the relaxation.
         A packing that is not at rest after `Protocol.max_compaction_steps` raises a RuntimeError.
-        `rcr.study.compaction` describes the phases.
         """
         while self.progress["phase"] != "shear":
             if compaction.compact(self, balanced):

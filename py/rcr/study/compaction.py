@@ -17,10 +17,8 @@ import math
 
 import numpy as np
 from yade.minieigenHP import Vector3
-from yade.wrapper import (
-    Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop,
-    NewtonIntegrator, Omega,
-)  # fmt: skip
+from yade.wrapper import (Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider,
+                          InteractionLoop, NewtonIntegrator, Omega)
 
 import rcr
 from rcr import _kernel
@@ -51,10 +49,8 @@ def make_scene(parameters):
     centres = _kernel.deposit(radii, width)
     height = (centres[:, 1] + radii).max()
     angles = rng.uniform(0, math.pi, count)
-    grain, plate = (
-        O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=label))
-        for label in ("grain", "plate")
-    )
+    grain, plate = (O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=k))
+                    for k in ("grain", "plate"))
     grains = zip(centres, radii, angles)
     O.bodies.append([rcr.particle(c, R, parameters["eta"], a, grain) for c, R, a in grains])
     mass = math.fsum(b.state.mass for b in O.bodies)
@@ -159,8 +155,7 @@ def compact(test, balance_tolerance):
             f"grain {solver.unbalancedForce:.1e} of the mean contact force (expected "
             f"{balance_tolerance:g}), wall stresses "
             f"{test.mean_stresses / PROTOCOL.confining_stress} σ₀ (expected 1); "
-            "try another seed or a smaller tolerance"
-        )
+            "try another seed or a smaller tolerance")
     unbalance = min(0.1, max(solver.unbalancedForce, balance_tolerance))
     solver.tolerance = PROTOCOL.relaxation_tolerance * unbalance
     if test.progress["phase"] == "collapse":

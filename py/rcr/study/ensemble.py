@@ -95,8 +95,6 @@ def _across(network):
         inverse = np.linalg.inv(network.attributes["cell"])
         return network.contacts["position"] @ inverse[0] % 1
     x, body = network.contacts["position"][:, 0], network.contacts["body2"]
-    left, right = (
-        x[body == wall].mean() if (body == wall).any() else end
-        for wall, end in ((LEFT, x.min()), (RIGHT, x.max()))
-    )
+    left, right = (x[body == wall].mean() if (body == wall).any() else end
+                   for wall, end in ((LEFT, x.min()), (RIGHT, x.max())))
     return np.clip((x - left) / (right - left), 0, 1) if right > left else np.zeros_like(x)

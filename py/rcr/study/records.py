@@ -14,10 +14,8 @@ COUNTERS = dict(  # of the shear, in `Biaxial.progress`
     repeated=0,  # number of parts of the shear that a smaller time step has repeated
 )  # fmt: skip
 
-HISTORY_COLUMNS = (
-    "step", "time", "strain", "sin_phi", "stress_x", "stress_y", "packing_fraction", "points",
-    "iterations", "residual", "unconverged_steps", "yielded_steps",
-)  # fmt: skip
+HISTORY_COLUMNS = ("step", "time", "strain", "sin_phi", "stress_x", "stress_y", "packing_fraction",
+                   "points", "iterations", "residual", "unconverged_steps", "yielded_steps")
 
 
 class Springs:

@@ -70,9 +70,8 @@ class Run:
         ordered = sorted(networks.values(), key=_strain)
         last = _strain(ordered[-1])
         to_strain = last if to_strain is None else min(last, checks.number("to_strain", to_strain))
-        if from_strain is None:
-            from_strain = critical_start(to_strain)
-        from_strain = checks.number("from_strain", from_strain)
+        start = critical_start(to_strain) if from_strain is None else from_strain
+        from_strain = checks.number("from_strain", start)
         run = cls(folder, ordered, from_strain, to_strain, next(iter(isotropic.values()), None),
                   _history(folder / "history.csv"), record,
                   files.read_json(folder / "summary.json", "a summary"))

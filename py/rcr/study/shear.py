@@ -78,11 +78,9 @@ def is_approaching(test):
 
 
 def rate_and_step(test):
-    """Return the present I and dt/t₀ of the shear.
+    """Return the present I and dt/t₀ of the shear; `Biaxial.go_back` divides dt.
 
-    Up to the strain `approach` they are those of quick shear. Beyond it I falls exponentially with
-    the strain to its final value, which is lowered where the inertia of the sample would exceed its
-    bound. `Biaxial.go_back` divides dt.
+    Beyond the strain `approach`, I falls exponentially with the strain to its final value.
     """
     given, step = test.parameters["inertial_number"], test.parameters["time_step"]
     quick = max(given, PROTOCOL.quick_inertial_number)
@@ -181,7 +179,6 @@ def history_row(test, record):
         raise RuntimeError(
             f"the packing has blown up by step {record['step']}, strain {strain:.4g}: "
             f"packing fraction {fraction:.4g}, stresses of the walls {shown} σ₀; "
-            "take a smaller time step, inertial number or tolerance"
-        )
+            "take a smaller time step, inertial number or tolerance")
     found = record | dict(strain=strain, sin_phi=sin_phi(stresses), packing_fraction=fraction)
     return {name: found[name] for name in HISTORY_COLUMNS}

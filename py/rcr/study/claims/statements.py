@@ -5,8 +5,7 @@ import numpy as np
 from rcr.study.claims.criteria import (
     SIGMAS, NotTested, at_both_ends, at_every_eta, at_xi_1, claim, format_errors, format_largest,
     is_monotonic, is_within, known, list_by_eta, minimum, require_finite, row_of, rows_of, slope_of,
-    trend,
-)  # fmt: skip
+    trend)
 from rcr.study.statistics import pearson
 
 LONG = (0.01, 1)  # η of grains that are no discs

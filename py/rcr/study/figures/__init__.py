@@ -15,12 +15,10 @@ from rcr._pictures.drawing import COLUMN, PAGE, STYLE
 from rcr.study.figures.curves import (
     plot_coordination, plot_correlation, plot_force_by_length, plot_force_power, plot_force_tail,
     plot_length_pdf, plot_mobilization, plot_mobilization_by_force, plot_mobilization_pdf,
-    plot_shear_stress, plot_strain, plot_strength, plot_strips, plot_xi,
-)  # fmt: skip
+    plot_shear_stress, plot_strain, plot_strength, plot_strips, plot_xi)
 from rcr.study.figures.plot_style import column, legend_outside
-from rcr.study.figures.polar import (
-    plot_contact_directions, plot_isotropy, plot_vector_directions, polar_row,
-)  # fmt: skip
+from rcr.study.figures.polar import (plot_contact_directions, plot_isotropy,
+                                      plot_vector_directions, polar_row)
 
 
 def _plain(*plots, legend=True, projection=None):
