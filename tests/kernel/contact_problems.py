@@ -369,30 +369,24 @@ def grains_on_a_floor(count, seed=0, points=1):
 
 def beside(*problems):
     """Combine problems that share only a floor: the first prescribed body at rest of each."""
-    columns = {key: [] for key in problems[0]}
-    count, floor = 0, None
+    bodies, count, floor = [], 0, None
     for problem in problems:
         number = np.arange(count, count + len(problem["inverse_mass"]))
         at_rest = ~problem["inverse_mass"].any(1) & ~problem["free_velocity"].any(1)
         body = np.flatnonzero(at_rest)[0]
         floor = number[body] = number[body] if floor is None else floor
         count += len(number)
-        for key, value in problem.items():
-            if key == "bodies":
-                value = number[value].astype(np.int32)
-            columns[key].append(value)
-    together = {key: np.concatenate(parts) for key, parts in columns.items()}
+        bodies.append(number[problem["bodies"]].astype(np.int32))
+    together = {key: np.concatenate([p[key] for p in problems]) for key in problems[0]}
+    together["bodies"] = np.concatenate(bodies)
     return Problem(" beside ".join(p.name for p in problems), **together)
 
 
 def parts_of(result, problems):
-    """Part of the result of `beside` for each problem."""
-    body = point = 0
-    for problem in problems:
-        bodies, points = len(problem["inverse_mass"]), len(problem["bodies"])
-        yield dict(velocity=result["velocity"][body : body + bodies],
-                   impulse=result["impulse"][point : point + points])
-        body, point = body + bodies, point + points
+    """The part of each problem in the result of `beside`."""
+    parts = lambda key, of: np.split(result[key], np.cumsum([len(p[of]) for p in problems[:-1]]))
+    return [dict(velocity=v, impulse=p)
+            for v, p in zip(parts("velocity", "inverse_mass"), parts("impulse", "bodies"))]
 
 
 def heaps(count):

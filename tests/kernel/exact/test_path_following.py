@@ -103,18 +103,14 @@ def test_pivots_are_counted_and_limited():
     np.testing.assert_array_equal(last["impulse"], whole["impulse"])
 
 
-def rod(friction, angle, length=1.0):
-    """A steep, rough rod slides on its lower end: w_nn − µ |w_nt| < 0 (Painlevé)."""
-    m = 1.0
-    arm = -0.5 * length * np.array([np.cos(angle), np.sin(angle)])
-    point = (0, 1, 0, 1, 0, 0, *arm, 0, friction)
-    return problem_of_rows("rod", [[0, 0, 0], [1 / m, 1 / m, 12 / (m * length**2)]],
-                           [[0, 0, 0], [-1.0, -1e-3, 0]], [point])
-
-
 def test_a_rod_beyond_painleve():
-    """A soft law has one solution; a stiff one pulls the rod into the floor: the path stops."""
-    problem = rod(2.0, np.pi / 3)
+    """A steep, rough rod slides on its lower end: w_nn − µ |w_nt| < 0.
+
+    A soft law has one solution; a stiff one pulls the rod into the floor: the path stops.
+    """
+    arm = -0.5 * np.array([np.cos(np.pi / 3), np.sin(np.pi / 3)])
+    problem = problem_of_rows("rod", [[0, 0, 0], [1, 1, 12]], [[0, 0, 0], [-1, -1e-3, 0]],
+                              [(0, 1, 0, 1, 0, 0, *arm, 0, 2.0)])
     (w_nn, w_nt), _ = dense(problem)[0]
     assert w_nn < 2.0 * abs(w_nt), "no paradox"
     soft, stiff = (_kernel.follow_path(rho, MANY, **problem) for rho in (0.01, 1e3))
