@@ -14,6 +14,7 @@ import rcr
 from yade import O, utils
 from yade import wrapper as w
 from yade.minieigenHP import Quaternion
+from yade.utils import typedEngine
 
 import children
 import scene_fuzzer
@@ -22,10 +23,6 @@ from scene_fuzzer import R, scenes
 RUNNERS = 3  # most PyRunners of a scene
 PLACES = ["first", "before solver", "after solver", "last"]
 COLUMNS = 7
-
-
-def engine(kind):
-    return next(e for e in O.engines if type(e).__name__ == kind)
 
 
 def above(rng):
@@ -54,7 +51,7 @@ def retune(rng):
     name = ["tolerance", "maxIterations", "solver", "correction", "threads"][rng.integers(5)]
     values = dict(tolerance=[1e-2, 1e-6], maxIterations=[10, 500], solver=["nlgs", "exact", "auto"],
                   correction=[0.0, 0.2], threads=[1, 2])  # fmt: skip
-    setattr(engine("ContactDynamics"), name, values[name][rng.integers(len(values[name]))])
+    setattr(typedEngine("ContactDynamics"), name, values[name][rng.integers(len(values[name]))])
 
 
 def stop_engine(rng):
@@ -109,7 +106,7 @@ EVENTS = dict(  # each changes the scene during a run
         O, "engines", [e for e in O.engines if type(e).__name__ != "ForceEngine"]),
     stop_engine=stop_engine,
     time_step=lambda rng: setattr(O, "dt", O.dt * [0.5, 0.9, 1.1][rng.integers(3)]),
-    gravity=lambda rng: setattr(engine("NewtonIntegrator"), "gravity",
+    gravity=lambda rng: setattr(typedEngine("NewtonIntegrator"), "gravity",
                                 (*rng.uniform(-10, 10, 2), 0)),
     mask=of_a_grain(lambda body, rng: setattr(body, "mask", int(rng.integers(1, 4)))),
     material=material,
@@ -121,8 +118,8 @@ EVENTS = dict(  # each changes the scene during a run
     pause=lambda rng: O.pause(),
     stop_at=lambda rng: setattr(O, "stopAtIter", O.iter + int(rng.integers(1, 30))),
     clear=lambda rng: O.interactions.clear(),
-    verlet=lambda rng: setattr(engine("InsertionSortCollider"), "verletDist",
-                               0.5 * engine("InsertionSortCollider").verletDist),
+    verlet=lambda rng: setattr(typedEngine("InsertionSortCollider"), "verletDist",
+                               0.5 * typedEngine("InsertionSortCollider").verletDist),
     track=lambda rng: setattr(O, "trackEnergy", not O.trackEnergy),
     look=look,
 )  # fmt: skip
@@ -231,7 +228,7 @@ def play(scene, arrays):
     current.clear()
     current.update(scene)
     build(scene)
-    solver = engine("ContactDynamics")
+    solver = typedEngine("ContactDynamics")
     solver.arrays = arrays
     states = []
     for steps in scene["runs"]:

@@ -106,7 +106,7 @@ def loose_grains():
 
 
 def begin(scene):
-    """An empty scene, in a cell of this width if it is periodic; returns the material of its bodies."""
+    """An empty scene, in a cell of its width if periodic; returns the material of its bodies."""
     O.reset()
     material = scenes.springy(scene["friction"])
     O.materials.append(material)
@@ -114,10 +114,6 @@ def begin(scene):
         O.periodic = True
         O.cell.setBox(*3 * [scene["width"]])
     return material
-
-
-def shear_cell(gradient):
-    O.cell.velGrad = scenes.plane(*gradient)
 
 
 def build(scene, rng):
@@ -132,7 +128,7 @@ def build(scene, rng):
         grain(scene["kinds"][k], at, scene["eta"], scene["speed"], material, rng)
     engines(scene)
     if scene["periodic"]:
-        shear_cell(scene["gradient"])
+        O.cell.velGrad = scenes.plane(*scene["gradient"])
         O.cell.homoDeform = scene["homoDeform"]
     O.trackEnergy = scene["energy"]
 

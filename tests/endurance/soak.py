@@ -135,7 +135,7 @@ def change(what, scene, material, rng):
             state.vel *= min(1, 5 / (state.vel.norm() or 5))  # springs need slower grains
     elif what == "gradients":
         scene["gradient"] = [-rate for rate in scene["gradient"]]
-        scene_fuzzer.shear_cell(scene["gradient"])
+        O.cell.velGrad = scenes.plane(*scene["gradient"])
     else:
         check_reload(scene)
     return True
@@ -257,7 +257,7 @@ def outcome(seed, counts):
         add(scene, material, rng)
     scene_fuzzer.engines(scene)
     if scene["periodic"]:
-        scene_fuzzer.shear_cell(scene["gradient"])
+        O.cell.velGrad = scenes.plane(*scene["gradient"])
     watch, what = Watch(scene), "the start"
     try:
         for _ in range(EVENTS):

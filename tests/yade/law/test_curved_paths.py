@@ -331,7 +331,7 @@ def carry_off():
 
 
 def test_a_contact_without_points_has_passed_nothing():
-    """A script moves a rod off its contact, while another contact, of the opposite normal, forms."""
+    """A script moves a rod off its contact while another contact, of opposite normal, forms."""
     grain = material(0)
     weightless(rcr.disc((0, 0), 0.1, grain, fixed=True), particle((0.4, 0), 0.3, 2 / 3, 0, grain),
                rcr.disc((3, 0), 0.1, grain, fixed=True), rcr.disc((3, 0.22), 0.1, grain))

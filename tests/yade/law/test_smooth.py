@@ -140,9 +140,7 @@ def test_energy_is_kept_or_accounted_for():
                    (1e9, 0.1, 0, 0.005)]),
 ])  # fmt: skip
 def test_energy_that_contacts_make_where_they_change_their_kind(young, share, least, most):
-    """Figures of docs/law.md: the worst error of five boxes of twelve falling grains, over the work
-    of gravity, where a cap that penetrates a side gains a second point within a step.
-    """
+    """Figures of docs/law.md: a cap that penetrates a side gains a second point within a step."""
     worst, deepest = 0, 0
     for seed in range(5):
         m = FrictMat(density=2600, frictionAngle=0, young=young, poisson=0.8)

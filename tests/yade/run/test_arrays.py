@@ -1,6 +1,4 @@
-"""Steps in arrays (pkg/dem/transfer/ArraySteps.hpp) give the bits of YADE's engines, also while
-engines and scripts act on bodies.
-"""
+"""Steps in arrays (ArraySteps.hpp) give the bits of YADE's engines, also while scripts act."""
 
 import concurrent.futures
 import math

@@ -37,11 +37,15 @@ def refuse_a_step():
     solver().observe = []
 
 
-def mask_before_a_refused_step():
+def new_solver():
+    exchange(rcr.ContactDynamics(tolerance=1e-4, arrays=solver().arrays))
+
+
+def mask_before(then):
     stack()
     yield 2
     O.bodies[UPPER].mask = 1
-    refuse_a_step()
+    then()
 
 
 def mask_of_a_new_body_after_a_refused_step():
@@ -50,13 +54,6 @@ def mask_of_a_new_body_after_a_refused_step():
     add_upper(mask=2)
     refuse_a_step()
     O.bodies[UPPER].mask = 1
-
-
-def mask_before_a_new_solver():
-    stack()
-    yield 2
-    O.bodies[UPPER].mask = 1
-    exchange(rcr.ContactDynamics(tolerance=1e-4, arrays=solver().arrays))
 
 
 def mask_of_the_collider():
@@ -103,8 +100,9 @@ def collider_after_an_erasure():
 
 
 @pytest.mark.parametrize("scene", [
-    mask_before_a_refused_step, mask_of_a_new_body_after_a_refused_step, mask_before_a_new_solver,
-    mask_of_the_collider, unbounded, lambda: clumps(tolerance=1e-4), collider_after_an_erasure,
+    lambda: mask_before(refuse_a_step), mask_of_a_new_body_after_a_refused_step,
+    lambda: mask_before(new_solver), mask_of_the_collider, unbounded,
+    lambda: clumps(tolerance=1e-4), collider_after_an_erasure,
 ], ids=["refused step", "new body", "new solver", "avoidSelfInteractionMask", "bounded", "clump",
         "new collider"])  # fmt: skip
 def test_pairs_meet_after_a_change(scene):

@@ -327,20 +327,6 @@ def test_stresses_need_the_state_after_the_step(change, says):
         call()
 
 
-def pair(law):
-    """A floor and two discs at rest on it, after a run."""
-    m = springy(young=1e9)
-    build(rcr.wall("y", 0, material=m), *(rcr.disc((x, 0.1), 0.1, m) for x in (0, 1)), law=law,
-          dt=1e-3 if law == "rigid" else 1e-5)
-    O.run(20, True)
-
-
-def reload(path):
-    O.save(str(path), quiet=True)
-    O.reset()
-    O.load(str(path), quiet=True)
-
-
 @LAWS
 @pytest.mark.parametrize("how", ["plain", "after an insertion", "after a reload"])
 @pytest.mark.parametrize("change, says", [
@@ -349,12 +335,18 @@ def reload(path):
     (lambda: set_state(2, angVel=(0, 0, 500)), "the velocity of body #2 differs from that"),
 ])
 def test_a_change_is_seen_under_any_law(law, how, change, says, tmp_path):
-    pair(law)
+    m = springy(young=1e9)
+    build(rcr.wall("y", 0, material=m), *(rcr.disc((x, 0.1), 0.1, m) for x in (0, 1)), law=law,
+          dt=1e-3 if law == "rigid" else 1e-5)
+    O.run(20, True)
     rcr.contact_network(volume=1)
     if how == "after an insertion":
         O.bodies.append(rcr.disc((5, 5), 0.1, material(), velocity=(9, 9)))
     if how == "after a reload":
-        reload(tmp_path / "pair.yade")
+        path = str(tmp_path / "pair.yade")
+        O.save(path, quiet=True)
+        O.reset()
+        O.load(path, quiet=True)
     branch = rcr.contact_network(volume=1).contacts["branch"]
     assert branch == pytest.approx(np.array([(0, -0.1)] * 2), abs=1e-4)
     change()

@@ -247,7 +247,7 @@ def test_a_flipped_cell_answers_a_stress_as_before(overdamped):
 
 @pytest.mark.parametrize("overdamped", [False, True])
 def test_a_cell_shears_its_grains_after_a_compression(overdamped):
-    """CellStress, and steps without inertia, take over the mean flow only for as long as they act."""
+    """CellStress, and steps without inertia, take over the mean flow only while they act."""
     upper, lower = (rcr.disc((1, y), 0.1, material()) for y in (0.5, 1.5))
     scene("rigid", upper, lower, overdamped=overdamped)
     if not overdamped:

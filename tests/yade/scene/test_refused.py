@@ -474,18 +474,15 @@ def test_an_exception_leaves_no_trace(fault):
     assert np.array_equal(run({}), run(fault))
 
 
-@LAWS
-def test_cohesive_materials_are_refused(law):
+@pytest.mark.parametrize("law, height, run", [
+    ("rigid", 0.0999, O.step), ("smooth", 0.0999, O.step),
+    ("rigid", 0.15, lambda: O.run(400, True)),
+], ids=["rigid", "smooth", "a contact that forms in arrays"])
+def test_cohesive_materials_are_refused(law, height, run):
     cohesive = w.CohFrictMat(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4,
                              normalCohesion=1e6, isCohesive=True)
-    build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, 0.0999), 0.1, cohesive), law=law)
-    refused("has the material CohFrictMat .* give it a FrictMat", O.step)
-
-
-def test_a_cohesive_contact_that_forms_in_arrays_is_refused():
-    cohesive = w.CohFrictMat(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4)
-    build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, 0.15), 0.1, cohesive))
-    refused("has the material CohFrictMat", O.run, 400, True)
+    build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, height), 0.1, cohesive), law=law)
+    refused("has the material CohFrictMat .* give it a FrictMat", run)
 
 
 def test_contacts_that_outlive_their_bodies_are_refused():

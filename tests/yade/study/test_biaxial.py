@@ -47,14 +47,12 @@ def without_cost(summary):
 
 @dataclasses.dataclass
 class Packing:
-    """A frictionless compaction of 400 particles: its last step, its checkpoint, and a row (body 1,
-    body 2, normal force) of `points` for each contact point with a force.
-    """
+    """A frictionless compaction of 400 particles: its last step and its checkpoint."""
 
     eta: float
     folder: str
     network: Network
-    points: np.ndarray
+    points: np.ndarray  # (body 1, body 2, normal force) of each contact point with a force
     net_forces: np.ndarray
     wall_stresses: np.ndarray
 
