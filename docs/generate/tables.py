@@ -118,6 +118,20 @@ def step_threads():
                  lines)
 
 
+def points_of_sides():
+    """Side-side contacts as one contact and as four, from benchmarks/points_of_sides.py."""
+    rows = measured("points-of-sides")
+    observables = {"weak_share": "share of weak contacts", "beta_n": "β_n", "c_f_lr": "C(f, ℓ_r)",
+                   "c_f_l": "C(f, ℓ)", "a_c_weak": "a_c(ξ = 1)",
+                   "xi_a_ln": "ξ of the minimum of a_ln"}
+    lines = []
+    for eta in dict.fromkeys(row["eta"] for row in rows if row["eta"] > 0):
+        one, four = (next(row for row in rows if row["eta"] == eta and row["points"] == points)
+                     for points in (1, 4))
+        lines.append([f"{eta:g}", *(f"{one[name]:.2g} → {four[name]:.2g}" for name in observables)])
+    return table(["η", *observables.values()], lines)
+
+
 def driven_scenes():
     """Largest values of each motion, from benchmarks/driven_scenes.py."""
     rows = measured("driven-scenes")
@@ -197,7 +211,7 @@ TABLES = {
     "quasi-static": lambda: ratios("e", "e-quasi-static", quasi_static_row),
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
-    sloshing, step_threads, driven_scenes)}
+    sloshing, step_threads, points_of_sides, driven_scenes)}
 
 
 def updated(page):
