@@ -143,7 +143,8 @@ SETTINGS = [
     *(("yieldCompliance", value, f"ContactDynamics.yieldCompliance = {value:g}; expected a finite "
        f"factor ≥ 0, 1 by default") for value in (NAN, INF, -1.0)),
     ("observeEvery", -1, "ContactDynamics.observeEvery = -1; expected a number of steps"),
-    ("trackMeanStretch", True, "trackMeanStretch = True; expected overdamped = True"),
+    ("trackMeanStretch", True,
+     "ContactDynamics.trackMeanStretch = True; expected overdamped = True"),
     ("dead", True, "O.engines holds no ContactDynamics that is not dead"),
 ]
 FLOW = "ContactDynamics.flow is not zero; expected finite entries, and overdamped = True"
