@@ -22,7 +22,7 @@ def arguments():
     add("--count", type=script.at_least(1), default=200, metavar="N",
         help="number of scenes; 200 take an hour")
     add("--first", type=script.integer(), default=0, metavar="SEED", help="seed of the first scene")
-    add("--out", default="driven-scenes.csv", metavar="FILE", help="CSV")
+    add("--out", type=script.new_file, default="driven-scenes.csv", metavar="FILE", help="CSV")
     return parser.parse_args()
 
 

@@ -86,7 +86,7 @@ def test_known_distributions_are_recovered(result):
 
     a_c = 0.2, a_fn = 0.3, a_ft = 0.1. A moment of C contacts has the error √(2/C) = 0.013, and √2
     times that with exponential forces. Forces are a mixture of exponentials of means 1 ± 0.3: α_n
-    is within 0.1 of 1, the weak fraction within 0.01 of 1 − 1/e. The cross product a_c a_fn/2 in
+    is within 0.1 of 1, the weak fraction within 0.02 of 1 − 1/e. The cross product a_c a_fn/2 in
     tr χ(∞) changes a_fn by up to 10 %.
     """
     values = {key: {name: np.asarray(array)[1] for name, array in entry["value"].items()

@@ -50,6 +50,7 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
     """
     progress("analysis")
     analysis = analyse(runs)
+    material = _material(runs, analysis)  # refuses damaged summaries before the figures are drawn
     out = pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=files.PART, dir=out) as scratch:
@@ -67,7 +68,7 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
         table = findings(analysis)
         (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
         (folder / "table.md").write_text(markdown(table), encoding="utf-8")
-        page = _page(runs, analysis, table, pictures)
+        page = _page(material, analysis, table, pictures)
         (folder / "report.html").write_text(page, encoding="utf-8")
         begin()
         for path in sorted(folder.iterdir()):
@@ -86,11 +87,11 @@ def _map_networks(runs):
                 yield key, network
 
 
-def _page(runs, analysis, table, pictures):
+def _page(material, analysis, table, pictures):
     small = max(map(int, analysis["O1"]["value"]["particles"])) < FEWEST
     rows = "".join(_row(row, small) for row in table)
     parts = [_HEAD, "<h1>Force networks of elongated particles</h1>",
-             f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>",
+             f"<p>{material}</p>", "<h2>Paper against measured</h2>",
              f"<p>{_SMALL if small else ''}{summary(table)}. {_RULE}</p>",
              f"<table>{_TITLES}{rows}</table>", "<h2>Figures</h2>"]
     for key, entry in analysis.items():

@@ -80,7 +80,8 @@ def is_approaching(test):
 def rate_and_step(test):
     """Return the present I and dt/t₀ of the shear; `Biaxial.go_back` divides dt.
 
-    Beyond the strain `approach`, I falls exponentially with the strain to its final value.
+    Beyond the strain `approach`, I falls exponentially with the strain to its final value, or to
+    the bound of the sample's inertia.
     """
     given, step = test.parameters["inertial_number"], test.parameters["time_step"]
     quick = max(given, PROTOCOL.quick_inertial_number)
