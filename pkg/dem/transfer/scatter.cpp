@@ -1,11 +1,15 @@
+// Writes the results of steps to YADE's objects.
 #include "dem/transfer/scatter.hpp"
 
 #include "dem/shapes/planeConversion.hpp"
+#include "dem/transfer/ArraySteps.hpp"
 #include "dem/transfer/prefetch.hpp"
 
 namespace yade {
 
-void writeForce(CdPhys& phys, const rcr::LocalVector (&force)[2], const rcr::Vec2 (&normal)[2])
+/// Writes the forces of both contact points and their sums; a missing point has the force 0.
+static void writeForce(
+        CdPhys& phys, const rcr::LocalVector (&force)[2], const rcr::Vec2 (&normal)[2])
 {
 	phys.force1      = Vector2r(force[0].n, force[0].t);
 	phys.force2      = Vector2r(force[1].n, force[1].t);
@@ -26,27 +30,60 @@ static void writeForces(const rcr::Step& step, const rcr::StepContact& contact, 
 	writeForce(phys, force, normal);
 }
 
-/// Writes an added contact as InteractionLoop would have made it.
-static SceneHandles::Contact writeAddedContact(
-        Scene& scene, const rcr::Step& step, const rcr::FoundContact& found)
+/// Returns the interaction of a pair; creates it if there is none. `shift`: from body 2 to its
+/// image.
+static Interaction& interactionOf(Scene& scene, const rcr::Pair& pair, rcr::Vec2 shift)
 {
-	rcr::Pair pair;
-	pair.body1 = found.body1, pair.body2 = found.body2;
-	Interaction& i = interactionOf(scene, pair, found.shift);
-	if (!i.phys) {
-		pair.friction = found.friction, pair.restitution = found.restitution;
-		pair.formedAt = scene.iter;
+	shared_ptr<Interaction> i = scene.interactions->find(pair.body1, pair.body2);
+	if (!i) {
+		i = boost::make_shared<Interaction>(pair.body1, pair.body2);
+		if (scene.isPeriodic) {
+			const Vector3r cells = scene.cell->hSize.inverse() * plane::toSpace(shift);
+			i->cellDist          = Vector3r(cells.array().round()).cast<int>();
+		}
+		scene.interactions->insert(i);
 	}
-	return writeContact(i, pair, found.manifold, step,
-	        shifted(step.bodies[found.body2].pose(), found.shift));
+	if (!i->geom && i->getId1() != pair.body1) i->swapOrder();
+	return *i;
 }
 
+/// Writes the points of a pair to its interaction. Creates the CdPhys of a contact that formed in
+/// arrays (`Pair::formedAt` ≥ 0). `at2`: pose of body 2 or of its image.
+static SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
+        const rcr::Manifold& manifold, const rcr::Step& step, const rcr::Pose& at2)
+{
+	if (!i.geom) i.geom = boost::make_shared<RcrGeom>();
+	if (pair.formedAt >= 0) {
+		auto phys                    = boost::make_shared<CdPhys>();
+		phys->tangensOfFrictionAngle = pair.friction;
+		phys->restitution            = pair.restitution;
+		i.phys                       = phys;
+		i.iterMadeReal               = pair.formedAt;
+	}
+	RcrGeom&             geom = static_cast<RcrGeom&>(*i.geom);
+	CdPhys&              phys = static_cast<CdPhys&>(*i.phys);
+	const rcr::StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
+	geom.set(manifold, one.shape, one.pose(), two.shape, at2);
+	phys.points = geom.points;
+	phys.along  = geom.along;
+	return { &geom, &phys, &i, pair.body1, pair.body2, geom.points };
+}
+
+/// Writes added contacts as InteractionLoop would have made them.
 static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 {
 	for (const rcr::FoundContact& found : step.added) {
 		const auto k = step.find(found.body1, found.body2) - step.contacts.data();
 		step.contacts[k].handleIndex = int(handles.sorted.size());
-		handles.sorted.push_back(writeAddedContact(scene, step, found));
+		rcr::Pair pair;
+		pair.body1 = found.body1, pair.body2 = found.body2;
+		Interaction& i = interactionOf(scene, pair, found.shift);
+		if (!i.phys) {
+			pair.friction = found.friction, pair.restitution = found.restitution;
+			pair.formedAt = scene.iter;
+		}
+		handles.sorted.push_back(writeContact(i, pair, found.manifold, step,
+		        shifted(step.bodies[found.body2].pose(), found.shift)));
 	}
 }
 
@@ -143,41 +180,6 @@ std::vector<rcr::PlanarVector> contactImpulses(const rcr::Step& step)
 	return impulses;
 }
 
-Interaction& interactionOf(Scene& scene, const rcr::Pair& pair, rcr::Vec2 shift)
-{
-	shared_ptr<Interaction> i = scene.interactions->find(pair.body1, pair.body2);
-	if (!i) {
-		i = boost::make_shared<Interaction>(pair.body1, pair.body2);
-		if (scene.isPeriodic) {
-			const Vector3r cells = scene.cell->hSize.inverse() * plane::toSpace(shift);
-			i->cellDist          = Vector3r(cells.array().round()).cast<int>();
-		}
-		scene.interactions->insert(i);
-	}
-	if (!i->geom && i->getId1() != pair.body1) i->swapOrder();
-	return *i;
-}
-
-SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
-        const rcr::Manifold& manifold, const rcr::Step& step, const rcr::Pose& at2)
-{
-	if (!i.geom) i.geom = boost::make_shared<RcrGeom>();
-	if (pair.formedAt >= 0) {
-		auto phys                    = boost::make_shared<CdPhys>();
-		phys->tangensOfFrictionAngle = pair.friction;
-		phys->restitution            = pair.restitution;
-		i.phys                       = phys;
-		i.iterMadeReal               = pair.formedAt;
-	}
-	RcrGeom&             geom = static_cast<RcrGeom&>(*i.geom);
-	CdPhys&              phys = static_cast<CdPhys&>(*i.phys);
-	const rcr::StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
-	geom.set(manifold, one.shape, one.pose(), two.shape, at2);
-	phys.points = geom.points;
-	phys.along  = geom.along;
-	return { &geom, &phys, &i, pair.body1, pair.body2, geom.points };
-}
-
 void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::PlanarVector>& impulses,
         SceneHandles& handles, rcr::Step& step)
 {
@@ -206,6 +208,60 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::PlanarV
 	});
 	if (step.problem.stretches()) deformCell(*scene.cell, step.cell, step.strain);
 	requestCollider(scene, team, handles, step);
+}
+
+void ArraySteps::writeBack(
+        Scene& scene, rcr::ThreadTeam& team, SceneHandles& handles, const rcr::Step& step)
+{
+	if (!active_) return;
+	active_      = false;
+	scene.doSort = true; // the collider has not run during the steps in arrays
+	team.forEach(step.bodies.size(), [&](std::size_t id) {
+		prefetch<State>(handles.state[indexAhead(id, step.bodies.size())]);
+		State* s = handles.state[id];
+		if (!s || isSynced_[id]) return;
+		const rcr::StepBody&     body = step.bodies[id];
+		const rcr::PlanarVector& v    = step.overdamped ? endVelocity_[id] : body.velocity;
+		// a state that a script has written meanwhile stays
+		const Motion before = written_[id], now = motionOf(*s);
+		if (now.center == before.center) s->pos[0] = body.center.x, s->pos[1] = body.center.y;
+		if (now.turn == before.turn) s->ori.w() = body.turn.w, s->ori.z() = body.turn.z;
+		if (now.velocity == before.velocity)
+			s->vel[0] = v.x, s->vel[1] = v.y, s->angVel[2] = v.rotation;
+	});
+
+	std::vector<Interaction*> interaction(pairs_.all.size());
+	std::vector<char>         lasts(handles.sorted.size());
+	// false for a new pair after an error
+	const auto                made = [](const rcr::Pair& pair) {
+        return pair.pointCount > 0 && (pair.handleIndex >= 0 || pair.formedAt >= 0);
+	};
+	for (std::size_t k = 0; k < interaction.size(); ++k) {
+		const int index = pairs_.all[k].handleIndex;
+		if (!made(pairs_.all[k]) || index < 0) continue;
+		lasts[index]   = true;
+		interaction[k] = handles.sorted[index].interaction;
+	}
+	for (std::size_t k = 0; k < lasts.size(); ++k)
+		if (!lasts[k] && handles.sorted[k].interaction) handles.sorted[k].interaction->reset();
+	for (std::size_t k = 0; k < interaction.size(); ++k)
+		if (made(pairs_.all[k]) && !interaction[k])
+			interaction[k] = &interactionOf(scene, pairs_.all[k], {});
+	std::vector<SceneHandles::Contact> contacts(interaction.size());
+	team.forEach(interaction.size(), [&](std::size_t k) {
+		if (const Interaction* later = interaction[indexAhead(k, interaction.size())]) {
+			prefetch<RcrGeom>(later->geom.get());
+			prefetch<CdPhys>(later->phys.get());
+		}
+		if (!interaction[k]) return;
+		const rcr::Pair&     pair     = pairs_.all[k];
+		const rcr::Manifold& manifold = pairs_.manifold[k];
+		contacts[k] = writeContact(
+		        *interaction[k], pair, manifold, step, step.bodies[pair.body2].pose());
+		writeForce(*contacts[k].phys, pair.force,
+		        { manifold.points[0].normal, manifold.points[1].normal });
+	});
+	handles.sorted.swap(contacts);
 }
 
 void sortInteractions(Scene& scene, const SceneHandles& handles)
