@@ -76,7 +76,7 @@ namespace {
 			if (!there) return;
 			const Body&  b = *there;
 			const State& s = *b.state;
-			if (b.shape && !b.isClump()) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
+			if (b.shape) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
 			const std::string error = validation::bodyError(b, body.shape, handles_.z);
 			if (!error.empty()) validation::refuse(error);
 			body.center        = plane::toPlane(s.pos);

@@ -71,8 +71,7 @@ struct SceneQuery {
 // Rules on engines (engines.cpp). Each returns an error message, or an empty text.
 std::string loadAfterSolver(const SceneQuery&);
 std::string loadWithoutEffect(const SceneQuery&);
-std::string servoBeforeIntegrator(const SceneQuery&);
-std::string recorderBeforeSolver(const SceneQuery&);
+std::string readsTooEarly(const SceneQuery&);
 std::string attributeErrors(const SceneQuery&);
 std::string timeStep(const SceneQuery&);
 std::string finiteMotion(const SceneQuery&);

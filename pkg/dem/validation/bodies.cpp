@@ -116,9 +116,8 @@ std::string invalidBodies(const SceneQuery& v)
 	const Real z = planeOf(v.scene);
 	for (const auto& b : *v.scene.bodies) {
 		if (!b) continue;
-		const rcr::PlanarShape shape
-		        = b->shape && !b->isClump() ? plane::shapeOf(*b->shape, *b->state, z)
-		                                    : rcr::PlanarShape {};
+		const auto shape
+		        = b->shape ? plane::shapeOf(*b->shape, *b->state, z) : rcr::PlanarShape {};
 		if (const std::string error = bodyError(*b, shape, z); !error.empty()) return error;
 	}
 	return {};

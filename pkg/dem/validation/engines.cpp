@@ -53,27 +53,20 @@ std::string loadWithoutEffect(const SceneQuery& v)
 	return {};
 }
 
-/// A servo reads the force on its body. ContactDynamics adds contact forces after it.
-std::string servoBeforeIntegrator(const SceneQuery& v)
+/// Servos and recorders read forces that are complete after ContactDynamics. A servo is also a load
+/// (loadAfterSolver), so it must stand after the integrator.
+std::string readsTooEarly(const SceneQuery& v)
 {
-	const int integrator = v.indexOf<NewtonIntegrator>();
-	for (int k = 0; k < integrator; ++k)
-		if (!v.engines[k]->dead && v.engines[k]->getClassName() == "ServoPIDController")
-			return "the ServoPIDController stands before the NewtonIntegrator, so it would "
-			       "read forces without those of contacts; put it after the NewtonIntegrator.";
-	return {};
-}
-
-/// A recorder reads forces that are complete after ContactDynamics.
-std::string recorderBeforeSolver(const SceneQuery& v)
-{
-	const int solver = v.indexOf<ContactDynamics>();
-	for (int k = 0; k < solver; ++k) {
-		const std::string name = v.engines[k]->getClassName();
-		if (!v.engines[k]->dead && (name == "ForceRecorder" || name == "TorqueRecorder"))
-			return "the " + name
-			        + " stands before ContactDynamics, so it would record forces without those of "
-			          "contacts; put it after the NewtonIntegrator.";
+	const int solver = v.indexOf<ContactDynamics>(), integrator = v.indexOf<NewtonIntegrator>();
+	for (int k = 0; k < integrator; ++k) {
+		const std::string name   = v.engines[k]->getClassName();
+		const bool        servo  = name == "ServoPIDController",
+		           recorder = name == "ForceRecorder" || name == "TorqueRecorder";
+		if (!v.engines[k]->dead && (servo || (recorder && k < solver)))
+			return "the " + name + " stands before "
+			        + (servo ? "the NewtonIntegrator, so it would read"
+			                 : "ContactDynamics, so it would record")
+			        + " forces without those of contacts; put it after the NewtonIntegrator.";
 	}
 	return {};
 }

@@ -14,7 +14,6 @@ namespace {
 	struct Partner {
 		const Body* body;
 		bool        isBoundary; // fixed, or a Wall or Facet; two of them do not collide
-		Body::id_t  clump;      // ID_NONE for a single body
 	};
 
 	Partner partnerOf(const Body& b, const Scene& scene)
@@ -23,13 +22,7 @@ namespace {
 		const bool  line  = !isGrain(b)
 		        && (dynamic_cast<const Wall*>(b.shape.get())
 		                || dynamic_cast<const Facet*>(b.shape.get()));
-		return { &b, line || moved.state->blockedDOFs == State::DOF_ALL,
-			b.isClumpMember() ? b.clumpId : Body::ID_NONE };
-	}
-
-	bool ofOneClump(const Partner& one, const Partner& two)
-	{
-		return one.clump == two.clump && one.clump != Body::ID_NONE;
+		return { &b, line || moved.state->blockedDOFs == State::DOF_ALL };
 	}
 
 	/// Returns true if YADE allows a contact and the bodies are not both boundaries.
@@ -172,8 +165,11 @@ std::string unsupportedPairs(const SceneQuery& v)
 	for (const auto& b : *v.scene.bodies) {
 		if (!takesPart(b)) continue;
 		const Partner partner = partnerOf(*b, v.scene);
-		auto&       some  = kinds[{ b->shape->getClassIndex(), partner.isBoundary, b->groupMask }];
-		if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), partner)))
+		auto&      some = kinds[{ b->shape->getClassIndex(), partner.isBoundary, b->groupMask }];
+		const auto ofOneClump = [&](const Body& other) {
+			return b->isClumpMember() && b->clumpId == other.clumpId;
+		};
+		if (some.empty() || (some.size() == 1 && !ofOneClump(*some[0].body)))
 			some.push_back(partner);
 	}
 	std::string           pairs, functors;
