@@ -120,8 +120,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		passSettings = settingsOfNextPass(first, outcome);
 	}
 	if (rcr::spansHalfCell(step_)) converged = false;
-	if (const int id = firstNotFinite(step_); id >= 0)
-		throw std::runtime_error(saveNotFinite(step_, id, scene->iter));
+	checkFinite(step_, scene->iter);
 	checkStretch(step_, scene->iter);
 	timed("correct", [&] {
 		rcr::computeCorrection(step_, double(correction), workspace_);

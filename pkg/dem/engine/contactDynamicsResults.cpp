@@ -27,21 +27,24 @@ void ContactDynamics::monitorStep()
 
 void ContactDynamics::observeStep(const std::vector<rcr::PlanarVector>& impulses)
 {
-	const std::vector<int> ids = get<&ContactDynamics::observe>();
-	StepObserver::check(ids, step_, handles_);
-	observer_.record(stepOutcome(), ids, observeEvery, impulses, step_, handles_);
+	observer_.record(stepOutcome(), get<&ContactDynamics::observe>(), observeEvery, impulses, step_,
+	        handles_);
 }
 
-std::string saveNotFinite(const rcr::Step& step, int id, long iteration)
+void checkFinite(const rcr::Step& step, long iteration)
 {
+	const auto& velocity = step.problem.velocity;
+	const auto  invalid  = std::find_if(velocity.begin(), velocity.end(),
+            [](const rcr::PlanarVector& v) { return !rcr::finite(v.x, v.y, v.rotation); });
+	if (invalid == velocity.end()) return;
 	const gilLock     lock;
 	const std::string saved = py::extract<std::string>(
 	        py::import("rcr._yade.last_problem").attr("save_not_finite")());
-	const rcr::PlanarVector& v = step.problem.velocity[id];
-	return "ContactDynamics: step " + std::to_string(iteration) + " would give "
-	        + validation::bodyNames({ id }) + " the velocity (" + validation::text(v.x) + ", "
-	        + validation::text(v.y) + ") and the angular velocity " + validation::text(v.rotation)
-	        + ". Nothing has moved. " + saved;
+	throw std::runtime_error("ContactDynamics: step " + std::to_string(iteration) + " would give "
+	        + validation::bodyNames({ int(invalid - velocity.begin()) }) + " the velocity ("
+	        + validation::text(invalid->x) + ", " + validation::text(invalid->y)
+	        + ") and the angular velocity " + validation::text(invalid->rotation)
+	        + ". Nothing has moved. " + saved);
 }
 
 static const std::vector<std::string> tuningNames { "lanes", "arrays", "meanForceChange" };

@@ -86,15 +86,6 @@ std::string StepMonitor::count(const rcr::Step& step, const StepOutcome& outcome
 	return warning;
 }
 
-int firstNotFinite(const rcr::Step& step)
-{
-	for (std::size_t id = 0; id < step.bodies.size(); ++id)
-		if (const rcr::PlanarVector& v = step.problem.velocity[id];
-		        !rcr::finite(v.x, v.y, v.rotation))
-			return int(id);
-	return -1;
-}
-
 void checkEnergy(const rcr::Step& step, long iteration)
 {
 	double       kinetic = 0, farthest = 0;

@@ -44,12 +44,9 @@ public:
 /// Deepest overlap at the beginning of the step over R₁ + R₂, except between prescribed bodies.
 double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 
-/// Number of the first body whose solved velocity is not finite; −1: none.
-int firstNotFinite(const rcr::Step&);
-
-/// Saves the problem to a file. Returns a message about the body `id`, whose velocity is not
-/// finite, and the file. Calls Python (engine/contactDynamicsResults.cpp).
-std::string saveNotFinite(const rcr::Step&, int id, long iteration);
+/// If a solved velocity is not finite, saves the problem to a file and throws std::runtime_error.
+/// Calls Python (engine/contactDynamicsResults.cpp).
+void checkFinite(const rcr::Step&, long iteration);
 
 /// For unconverged steps with large displacements. Throws std::runtime_error if contacts have added
 /// more energy than T(v⁻) + T(v_free). These are the kinetic energies before the step and at its

@@ -6,7 +6,7 @@ namespace yade {
 
 namespace py = boost::python;
 
-void StepObserver::check(
+static void checkIds(
         const std::vector<int>& ids, const rcr::Step& step, const SceneHandles& handles)
 {
 	for (int id : ids) {
@@ -36,6 +36,7 @@ void StepObserver::record(const StepOutcome& outcome, const std::vector<int>& id
         const std::vector<rcr::PlanarVector>& impulses, const rcr::Step& step,
         const SceneHandles& handles)
 {
+	checkIds(ids, step, handles);
 	const std::lock_guard<std::mutex> lock(mutex_);
 	setLastPositions([&](int id) -> std::optional<rcr::Vec2> {
 		if (std::size_t(id) >= step.bodies.size() || !handles.state[id]) return {};

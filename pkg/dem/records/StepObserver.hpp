@@ -14,11 +14,9 @@ namespace yade {
 
 class StepObserver {
 public:
-	/// Throws std::invalid_argument if an id is not that of a body or clump of the scene.
-	static void check(const std::vector<int>& ids, const rcr::Step&, const SceneHandles&);
-
 	/// Adds a step. `interval`: number of steps per entry; 0: no entries. `impulses`: contact
-	/// impulse on each body [N s].
+	/// impulse on each body [N s]. Throws std::invalid_argument if an id is not that of a body or
+	/// clump of the scene.
 	void record(const StepOutcome&, const std::vector<int>& ids, int interval,
 	        const std::vector<rcr::PlanarVector>& impulses, const rcr::Step&, const SceneHandles&);
 
