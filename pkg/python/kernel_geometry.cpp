@@ -17,17 +17,17 @@ namespace {
 		const py::ssize_t two = 2;
 		Array position({ n, two, two }), normal({ n, two, two }), gap({ n, two });
 		for (py::ssize_t i = 0; i < n; ++i) {
-			const Manifold manifold = overlap(i);
-			count.mutable_at(i)     = manifold.count;
-			type.mutable_at(i)      = int(manifold.type);
+			Manifold manifold   = overlap(i);
+			count.mutable_at(i) = manifold.count;
+			type.mutable_at(i)  = int(manifold.type);
 			for (int k = 0; k < 2; ++k) {
-				const ManifoldPoint& p       = manifold.points[k];
-				const bool           used    = k < manifold.count;
-				position.mutable_at(i, k, 0) = used ? p.position.x : NAN;
-				position.mutable_at(i, k, 1) = used ? p.position.y : NAN;
-				normal.mutable_at(i, k, 0)   = used ? p.normal.x : NAN;
-				normal.mutable_at(i, k, 1)   = used ? p.normal.y : NAN;
-				gap.mutable_at(i, k)         = used ? p.gap : NAN;
+				ManifoldPoint& p = manifold.points[k];
+				if (k >= manifold.count) p = { { NAN, NAN }, { NAN, NAN }, NAN };
+				position.mutable_at(i, k, 0) = p.position.x;
+				position.mutable_at(i, k, 1) = p.position.y;
+				normal.mutable_at(i, k, 0)   = p.normal.x;
+				normal.mutable_at(i, k, 1)   = p.normal.y;
+				gap.mutable_at(i, k)         = p.gap;
 			}
 		}
 		return py::dict("count"_a = count, "type"_a = type, "position"_a = position,

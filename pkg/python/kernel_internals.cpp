@@ -37,31 +37,29 @@ namespace {
 	Array solveBlocks(const std::vector<BlockLu::Pair>& pairs, const Array& diagonal,
 	        const Array& upper, const Array& lower, const Array& b)
 	{
-		const py::ssize_t n = rowsOf(b), count = pairs.size();
-		const auto copy = [](const Array& from, py::ssize_t k, Block& to) {
+		const int  n    = int(rowsOf(b));
+		const auto copy = [](const Array& from, int k, Block& to) {
 			for (int i = 0; i < 3; ++i)
 				for (int j = 0; j < 3; ++j)
 					to.entry[j][i] = from.at(k, i, j);
 		};
-		BlockLu matrix(std::int32_t(n), pairs);
+		BlockLu matrix(n, pairs);
 		matrix.setIdentity();
-		for (py::ssize_t i = 0; i < n; ++i)
-			copy(diagonal, i, matrix.diagonal(std::int32_t(i)));
-		for (py::ssize_t k = 0; k < count; ++k) {
-			copy(upper, k, matrix.pairBlock(std::int32_t(k), false));
-			copy(lower, k, matrix.pairBlock(std::int32_t(k), true));
+		for (int i = 0; i < n; ++i)
+			copy(diagonal, i, matrix.diagonal(i));
+		for (int k = 0; k < int(pairs.size()); ++k) {
+			copy(upper, k, matrix.pairBlock(k, false));
+			copy(lower, k, matrix.pairBlock(k, true));
 		}
 		if (!matrix.factor()) refuse("the matrix is singular: a diagonal block cannot be inverted");
-		std::vector<BlockVector> x(n);
-		for (py::ssize_t i = 0; i < n; ++i)
-			for (int j = 0; j < 3; ++j)
-				x[i].entry[j] = b.at(i, j);
+		std::vector<BlockVector> x;
+		for (const PlanarVector& row : rowsFrom<PlanarVector>(b, "b", n))
+			x.push_back({ { row.x, row.y, row.rotation } });
 		matrix.solve(x);
-		Array result({ n, py::ssize_t(3) });
-		for (py::ssize_t i = 0; i < n; ++i)
-			for (int j = 0; j < 3; ++j)
-				result.mutable_at(i, j) = x[i].entry[j];
-		return result;
+		std::vector<PlanarVector> result;
+		for (const auto& [entry] : x)
+			result.push_back({ entry[0], entry[1], entry[2] });
+		return arrayOf(result);
 	}
 
 	// ---- proximal steps

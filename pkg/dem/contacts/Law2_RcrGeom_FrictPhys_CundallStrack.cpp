@@ -160,8 +160,7 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::
 void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(
         const RcrGeom& geom, const FrictPhys& phys, const Interaction& contact)
 {
-	const double overlap
-	        = -double(geom.points == 2 ? math::min(geom.gap[0], geom.gap[1]) : geom.gap[0]);
+	const double overlap = geom.manifold().deepest();
 	if (overlap <= checkedOverlap * double(geom.refR1 + geom.refR2)) return;
 	const double least = std::min(halfWidth(*Body::byId(contact.getId1(), scene)),
 	        halfWidth(*Body::byId(contact.getId2(), scene)));

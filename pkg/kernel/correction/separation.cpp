@@ -96,7 +96,6 @@ namespace {
 			return deepest;
 		}
 
-
 		void enqueue(int k)
 		{
 			if (!queued_[k]) queue_.push_back(k);

@@ -129,15 +129,13 @@ bool lowerCollisionRestitution(Step& step, bool plastic, double tolerance)
 	for (std::size_t k = 0; k < problem.points.size(); ++k)
 		if (problem.impulse[k].n > 0) add(energy[collisionOf(problem.points[k])], step, k);
 	bool changed = false;
-	for (const StepContact& contact : step.contacts) {
-		for (int k = contact.first; k < contact.first + contact.count; ++k) {
-			ContactPoint& c = problem.points[k];
-			if (!(c.bias < 0 && problem.impulse[k].n > 0)) continue;
-			const double factor = passiveFactor(energy[collisionOf(c)], energyTolerance);
-			if (factor == 1) continue;
-			c.bias *= plastic ? 0 : factor;
-			changed = true;
-		}
+	for (std::size_t k = 0; k < problem.points.size(); ++k) {
+		ContactPoint& c = problem.points[k];
+		if (!(c.bias < 0 && problem.impulse[k].n > 0)) continue;
+		const double factor = passiveFactor(energy[collisionOf(c)], energyTolerance);
+		if (factor == 1) continue;
+		c.bias *= plastic ? 0 : factor;
+		changed = true;
 	}
 	return changed;
 }
