@@ -36,8 +36,7 @@ static std::string physError(const FrictPhys& phys)
 		return "a CdPhys, made for ContactDynamics; use Ip2_FrictMat_FrictMat_FrictPhys, and "
 		       "O.interactions.clear() after a change of laws.";
 	if (!(phys.kn > 0 && math::isfinite(phys.kn)))
-		return number("kn", phys.kn)
-		        + "; expected a stiffness > 0: set FrictMat.young, or kn of "
+		return number("kn", phys.kn) + "; expected a stiffness > 0: set FrictMat.young, or kn of "
 		          "Ip2_FrictMat_FrictMat_FrictPhys.";
 	if (!(phys.ks >= 0 && math::isfinite(phys.ks)))
 		return number("ks", phys.ks)
@@ -136,12 +135,18 @@ rcr::LocalVector Law2_RcrGeom_FrictPhys_CundallStrack::pointForce(const FrictPhy
 	const double n    = std::max(0.0, kn * overlap - dashpot * u.n);
 	const double free = tangential - ks * u.t * dt;
 	const double t    = std::max(-mu * n, std::min(free, mu * n));
-	if (scene->trackEnergy)
-		trackEnergy(phys, overlap, (kn * overlap - n) * u.n * dt, t,
-		        ks > 0 ? (free - t) / ks : -u.t * dt);
+	if (scene->trackEnergy) {
+		const double stored = 0.5 * kn * overlap * overlap + (ks > 0 ? 0.5 * t * t / ks : 0);
+		const double slip   = ks > 0 ? (free - t) / ks : -u.t * dt; // of the slider
+		scene->energy->add(stored, "elastPotential", elasticIx, /*reset every step*/ true);
+		scene->energy->add(t * slip, "plastDissip", plasticIx, false);
+		scene->energy->add((kn * overlap - n) * u.n * dt, "viscDissip", viscousIx, false);
+	}
 	return { n, t };
 }
 
+/// Applies the force of a contact. Enters its work on prescribed motion into O.energy; it is
+/// negative if that motion drives the grains.
 void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::PlanarVector& force)
 {
 	scene->forces.addForce(id, Vector3r(force.x, force.y, 0));
@@ -152,7 +157,13 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::
 	            &owner = body.isClumpMember() ? *Body::byId(body.clumpId, scene)->state : s;
 	rcr::PlanarVector onOwner = force;
 	onOwner.rotation += cross(plane::toPlane(s.pos - owner.pos), rcr::Vec2 { force.x, force.y });
-	trackDrive(owner, onOwner, double(scene->dt));
+	const rcr::PlanarVector v    = plane::velocityOf(owner);
+	const double            dt   = double(scene->dt);
+	double                  work = 0;
+	if (owner.blockedDOFs & State::DOF_X) work += onOwner.x * v.x * dt;
+	if (owner.blockedDOFs & State::DOF_Y) work += onOwner.y * v.y * dt;
+	if (owner.blockedDOFs & State::DOF_RZ) work += onOwner.rotation * v.rotation * dt;
+	if (work != 0) scene->energy->add(work, "driveWork", driveIx, false);
 }
 
 /// Counts contacts that overlap by more than half the radius of the thinner body and 0.02 (R₁ +
@@ -176,29 +187,6 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(
 	                 << " N/m are too soft for these forces, and bodies may pass through each "
 	                    "other. Set a larger FrictMat.young or slower "
 	                    "bodies. deepOverlapCount counts further cases.");
-}
-
-/// Work of the dashpot, and of the slider that moves by `slip` against the force `slider` [J].
-void Law2_RcrGeom_FrictPhys_CundallStrack::trackEnergy(
-        const FrictPhys& phys, double overlap, double dashpotWork, double slider, double slip)
-{
-	const double kn = double(phys.kn), ks = double(phys.ks);
-	const double stored = 0.5 * kn * overlap * overlap + (ks > 0 ? 0.5 * slider * slider / ks : 0);
-	scene->energy->add(stored, "elastPotential", elasticIx, /*reset every step*/ true);
-	scene->energy->add(slider * slip, "plastDissip", plasticIx, false);
-	scene->energy->add(dashpotWork, "viscDissip", viscousIx, false);
-}
-
-/// Work that a contact does on prescribed motion [J]; negative if that motion drives the grains.
-void Law2_RcrGeom_FrictPhys_CundallStrack::trackDrive(
-        const State& s, const rcr::PlanarVector& force, double dt)
-{
-	const rcr::PlanarVector v    = plane::velocityOf(s);
-	double                  work = 0;
-	if (s.blockedDOFs & State::DOF_X) work += force.x * v.x * dt;
-	if (s.blockedDOFs & State::DOF_Y) work += force.y * v.y * dt;
-	if (s.blockedDOFs & State::DOF_RZ) work += force.rotation * v.rotation * dt;
-	if (work != 0) scene->energy->add(work, "driveWork", driveIx, false);
 }
 
 } // namespace yade

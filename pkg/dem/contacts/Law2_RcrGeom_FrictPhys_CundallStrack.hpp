@@ -54,9 +54,6 @@ private:
 	        const rcr::LocalVector& u, double tangential);
 	void applyForce(Body::id_t, const rcr::PlanarVector& force);
 	void watchOverlap(const RcrGeom&, const FrictPhys&, const Interaction&);
-	void trackDrive(const State&, const rcr::PlanarVector& force, double dt);
-	void trackEnergy(
-	        const FrictPhys&, double overlap, double dashpotWork, double slider, double slip);
 };
 REGISTER_SERIALIZABLE(Law2_RcrGeom_FrictPhys_CundallStrack);
 

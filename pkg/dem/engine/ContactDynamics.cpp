@@ -104,7 +104,8 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		passSettings.solutionExists = rcr::restIsAdmissible(step_, bounds.driveSpeed);
 		solvePass(passSettings);
 		if (pass == mostPasses) {
-			if (timed("lateContacts", [&] { return findLateContacts(*scene, engines, step_); }))
+			const rcr::ContactFilter allows = contactFilter(*scene, engines);
+			if (timed("lateContacts", [&] { return rcr::findLateContacts(step_, allows); }))
 				converged = false;
 			if (!overdamped) largeDisplacements_ |= rcr::anyLargeDisplacement(step_);
 			break;
@@ -125,8 +126,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	timed("correct", [&] {
 		rcr::computeCorrection(step_, double(correction), workspace_);
 		if (!largeDisplacements_) return;
-		const double overlap
-		        = rcr::separate(step_, correction > 0, contactFilter(*scene, engines));
+		const double overlap = rcr::separate(step_, correction > 0, contactFilter(*scene, engines));
 		if (overlap > rcr::JamDetector::jamOverlap) converged = false;
 		if (!converged) checkEnergy(step_, scene->iter);
 	});

@@ -306,10 +306,11 @@ void ArraySteps::runEngines(Scene& scene, const std::vector<Engine*>& engines) c
 /// Sets friction and restitution of new contacts. Removes contacts that the scene does not allow.
 void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engines)
 {
+	const rcr::ContactFilter allows = contactFilter(scene, engines);
 	for (rcr::Pair& pair : pairs_.all) {
 		if (!pair.isNew) continue;
 		if (!validation::requireFrictMat(scene, pair.body1, pair.body2)
-		        || !allowsContact(scene, engines, pair.body1, pair.body2)) {
+		        || !allows(pair.body1, pair.body2)) {
 			pair.pointCount = 0;
 			continue;
 		}

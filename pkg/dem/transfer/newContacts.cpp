@@ -23,35 +23,27 @@ void setCoefficients(Scene& scene, const InteractionLoop& loop, Body::id_t id1, 
 	restitution = double(phys->restitution);
 }
 
-bool allowsContact(Scene& scene, const validation::Engines& engines, Body::id_t id1, Body::id_t id2)
-{
-	if (!validation::mayCollide(scene, *engines.collider, id1, id2)) return false;
-	Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
-	bool       swap;
-	const bool supported
-	        = bool(engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap));
-	if (!supported) validation::refuseUnsupported(scene, id1, id2);
-	return supported && validation::isFrictional(one.material.get())
-	        && validation::isFrictional(two.material.get());
-}
-
 rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)
 {
-	return [&](int id1, int id2) { return allowsContact(scene, engines, id1, id2); };
+	return [&](int id1, int id2) {
+		if (!validation::mayCollide(scene, *engines.collider, id1, id2)) return false;
+		Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
+		bool  swap;
+		if (!engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap)) {
+			validation::refuseUnsupported(scene, id1, id2);
+			return false;
+		}
+		return validation::isFrictional(one.material.get())
+		        && validation::isFrictional(two.material.get());
+	};
 }
 
 static void addFoundContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
 	for (rcr::FoundContact& c : step.found)
 		if (!c.known)
-			setCoefficients(
-			        scene, *engines.loop, c.body1, c.body2, c.friction, c.restitution);
+			setCoefficients(scene, *engines.loop, c.body1, c.body2, c.friction, c.restitution);
 	rcr::addFoundContacts(step);
-}
-
-bool findLateContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
-{
-	return rcr::findLateContacts(step, contactFilter(scene, engines));
 }
 
 void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const Engine& solver,
@@ -65,9 +57,9 @@ void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const
 		handles.mayLackContacts[id] = true;
 	// engines and scripts after the InteractionLoop may have set velocities
 	bool       afterLoop = false;
-	const auto markUnlisted  = [&](Body::id_t id) {
-        if (id >= 0 && std::size_t(id) < handles.mayLackContacts.size())
-            handles.mayLackContacts[id] = bool(handles.state[id]);
+	const auto markUnlisted = [&](Body::id_t id) {
+		if (id >= 0 && std::size_t(id) < handles.mayLackContacts.size())
+			handles.mayLackContacts[id] = bool(handles.state[id]);
 	};
 	for (const auto& engine : scene.engines) {
 		if (engine.get() == &solver) break;
@@ -90,7 +82,7 @@ void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const
 
 bool addLateContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
-	if (!findLateContacts(scene, engines, step)) return false;
+	if (!rcr::findLateContacts(step, contactFilter(scene, engines))) return false;
 	addFoundContacts(scene, engines, step);
 	return true;
 }

@@ -10,11 +10,8 @@ namespace yade {
 void setCoefficients(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2,
         double& friction, double& restitution);
 
-/// Returns true if collider, functors and materials of the scene allow a contact of the two bodies.
+/// Returns true for bodies of which collider, functors and materials of the scene allow a contact.
 /// Throws if no Ig2 functor handles bodies that could overlap.
-bool allowsContact(Scene&, const validation::Engines&, Body::id_t id1, Body::id_t id2);
-
-/// allowsContact as a function of two bodies.
 rcr::ContactFilter contactFilter(Scene&, const validation::Engines&);
 
 /// Detects contacts of bodies that may lack contacts and adds them to the step. So the contacts do
@@ -23,10 +20,8 @@ rcr::ContactFilter contactFilter(Scene&, const validation::Engines&);
 void addUnlistedContacts(Scene&, const validation::Engines&, const Engine& solver, SceneHandles&,
         rcr::Step&);
 
-/// Returns true if the solved step has a late contact (kernel/detection/late_contacts.hpp).
-bool findLateContacts(Scene&, const validation::Engines&, rcr::Step&);
-
-/// If the solved step has a late contact, adds all found contacts to it and returns true.
+/// If the solved step has a late contact (kernel/detection/late_contacts.hpp), adds all found
+/// contacts to it and returns true.
 bool addLateContacts(Scene&, const validation::Engines&, rcr::Step&);
 
 } // namespace yade
