@@ -225,28 +225,6 @@ namespace {
 		return start;
 	}
 
-	struct Entry {
-		StepContact        contact; // with its old number of the first point
-		const FoundContact* found; // null: unchanged
-	};
-
-	/// Old and new contacts, sorted by bodies.
-	std::vector<Entry> entries(const Step& step)
-	{
-		std::vector<Entry> all;
-		all.reserve(step.contacts.size() + step.found.size());
-		for (const StepContact& c : step.contacts)
-			all.push_back({ c, nullptr });
-		for (const FoundContact& c : step.found) {
-			if (c.known) all[step.find(c.body1, c.body2) - step.contacts.data()].found = &c;
-			else
-				all.push_back({ newContact(step, c), &c });
-		}
-		std::sort(all.begin(), all.end(),
-		        [](const Entry& a, const Entry& b) { return precedes(a.contact, b.contact); });
-		return all;
-	}
-
 } // namespace
 
 bool spansHalfCell(const Step& step)
@@ -317,12 +295,12 @@ void addFoundContacts(Step& step)
 	std::vector<ContactPoint> points;
 	std::vector<LocalVector>  forces, impulses;
 	std::vector<Gap>          gaps;
-	for (const auto& [old, found] : entries(step)) {
+	// null: unchanged
+	const auto add = [&](const StepContact& old, const FoundContact* found) {
 		StepContact c = old;
 		c.first       = int(points.size());
 		c.count       = found ? found->manifold.count : old.count;
-		const std::array<Start, 2> start
-		        = startsOf(step, old, found ? &found->manifold : nullptr);
+		const std::array<Start, 2> start = startsOf(step, old, found ? &found->manifold : nullptr);
 		for (int k = 0; k < c.count; ++k) {
 			const ManifoldPoint at = found ? found->manifold.points[k] : step.point(old, k);
 			const ContactPoint  initial = step.contactPoint(c, at);
@@ -335,7 +313,17 @@ void addFoundContacts(Step& step)
 			gaps.push_back({ at.gap, -c.slop(), loaded });
 		}
 		contacts.push_back(c);
+	};
+	// both lists are sorted
+	auto found = step.found.begin();
+	for (const StepContact& old : step.contacts) {
+		for (; found != step.found.end() && precedes(*found, old); ++found)
+			add(newContact(step, *found), &*found);
+		const bool changes = found != step.found.end() && !precedes(old, *found);
+		add(old, changes ? &*found++ : nullptr);
 	}
+	for (; found != step.found.end(); ++found)
+		add(newContact(step, *found), &*found);
 	step.contacts.swap(contacts);
 	step.problem.points.swap(points);
 	step.problem.impulse.swap(impulses);
