@@ -104,8 +104,7 @@ void Gl1_Rcr::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool 
 		const double shade = lines ? 1 : 0.3;
 		glColor3d(shade * double(color[0]), shade * double(color[1]), shade * double(color[2]));
 		glLineWidth(2);
-		drawMark(
-		        double(grain.halfLength + grain.capRadius),
+		drawMark(double(grain.halfLength + grain.capRadius),
 		        z + (lines ? 0 : 0.01 * double(grain.capRadius)));
 	}
 	glPopAttrib();

@@ -128,8 +128,7 @@ void bindSolvers(py::module_& m)
 	        },
 	        "n"_a, "t"_a, "friction"_a, "Projection onto |t| ≤ µ n.");
 
-	py::class_<Workspace>(
-	        m, "Workspace",
+	py::class_<Workspace>(m, "Workspace",
 	        "Data of the sweep solvers between problems. Use one for all steps of a simulation.")
 	        .def(py::init<>())
 	        .def_property_readonly("model", modelOf,

@@ -123,26 +123,21 @@ BOOST_PYTHON_MODULE(_plugin)
 		        return yade::validation::prepareRun(scene());
 	        },
 	        "Prepare a run. Returns the error of an unsupported scene, with a remedy; else ''.");
-	py::def(
-	        "take_error", yade::takeError,
+	py::def("take_error", yade::takeError,
 	        "Message of the error that stopped ContactDynamics, returned once; empty without "
 	        "error.");
 	py::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
-	py::def(
-	        "uses_rcr",
+	py::def("uses_rcr",
 	        +[] { return yade::validation::SceneQuery(scene()).law != yade::validation::neither; },
 	        "True if the scene holds a law, ContactDynamics or Ip2 of rcr.");
 	py::def("advice", advice,
 	        "Warnings for suspicious scenes, a list of texts. `union_area(ids)`: area of the union\n"
 	        "of grains [m²].");
 	py::def("total_mass", totalMass, "Sum of the masses of all bodies, a fingerprint of them.");
-	py::def(
-	        "record_end", +[] { lastEnd.record(scene()); },
+	py::def("record_end", +[] { lastEnd.record(scene()); },
 	        "Record time step and velocities at the end of a step.");
-	py::def(
-	        "change_since_end", +[] { return lastEnd.change(scene()); },
+	py::def("change_since_end", +[] { return lastEnd.change(scene()); },
 	        "What differs from the record of this step; empty: nothing, or no record.");
-	py::def(
-	        "planar_clump", planarClump,
+	py::def("planar_clump", planarClump,
 	        "Join bodies to a clump (ids, x, y, mass, inertia about z); returns its id.");
 }

@@ -23,8 +23,7 @@ std::string changeSince(
         const Scene& scene, double dt, const std::vector<rcr::PlanarVector>& velocity)
 {
 	if (double(scene.dt) != dt)
-		return "O.dt is " + validation::text(scene.dt) + ", but was "
-		        + validation::text(Real(dt));
+		return "O.dt is " + validation::text(scene.dt) + ", but was " + validation::text(Real(dt));
 	const Real z        = validation::planeOf(scene);
 	double     smallest = std::numeric_limits<double>::infinity();
 	for (const auto& b : *scene.bodies)

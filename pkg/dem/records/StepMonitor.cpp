@@ -46,15 +46,13 @@ static std::string squeezeMessage(rcr::JamDetector::Verdict verdict,
 	if (verdict == rcr::JamDetector::Verdict::jam)
 		return "jam: " + overlaps
 		        + ", and the overlap grows from step to step. These steps have no solution, since "
-		          "the motion prescribed to "
-		        + driven
+		          "the motion prescribed to " + driven
 		        + " presses rigid grains together. Stop or reverse that motion (b.state.vel, "
 		          "O.cell.velGrad), or press by a force (WallStress, CellStress).";
 	if (outcome.missed)
 		return "not converged: " + overlaps
 		        + ", and the overlap grows from step to step. The solver found neither a solution "
-		          "in "
-		        + std::to_string(outcome.sweeps)
+		          "in " + std::to_string(outcome.sweeps)
 		        + " sweeps nor a proof that none exists, so positions and forces are wrong. Set a "
 		          "larger ContactDynamics.maxIterations or a smaller O.dt.";
 	return overlaps

@@ -44,8 +44,7 @@ static void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3
 	Vector3r       center = se3.position;
 	if (scene.isPeriodic) {
 		ahead += factor * rcr::imageReach(planar, plane::cellOf(scene).imageSpeed, double(scene.dt));
-		const Real most = largestBoxShare * scene.cell->getSize().minCoeff()
-		        / wider.maxCoeff();
+		const Real most = largestBoxShare * scene.cell->getSize().minCoeff() / wider.maxCoeff();
 		ahead           = math::max(Real(0), math::min(ahead, most - radius));
 		center          = scene.cell->unshearPt(center);
 	}

@@ -111,8 +111,7 @@ namespace {
 			if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
 			if (scene_.isPeriodic) {
 				const rcr::Vec2         flow = step_.cell.drift(body.center);
-				const rcr::PlanarVector v
-				        = body.velocity - rcr::PlanarVector { flow.x, flow.y, 0 };
+				const rcr::PlanarVector v = body.velocity - rcr::PlanarVector { flow.x, flow.y, 0 };
 				const double path = body.shape.grain()
 				            ? step_.dt * rcr::maxSpeed(v, body.radius)
 				            : body.alertDistance;

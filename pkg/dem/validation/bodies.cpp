@@ -51,8 +51,7 @@ std::string bodyNames(const std::vector<Body::id_t>& ids)
 	if (ids.empty()) return {};
 	std::string list = ids.size() == 1 ? "body" : "bodies";
 	for (std::size_t k = 0; k < ids.size(); ++k)
-		list += (k == 0 ? " #" : k + 1 < ids.size() ? ", #" : " and #")
-		        + std::to_string(ids[k]);
+		list += (k == 0 ? " #" : k + 1 < ids.size() ? ", #" : " and #") + std::to_string(ids[k]);
 	return list;
 }
 
@@ -116,8 +115,7 @@ std::string invalidBodies(const SceneQuery& v)
 	const Real z = planeOf(v.scene);
 	for (const auto& b : *v.scene.bodies) {
 		if (!b) continue;
-		const auto shape
-		        = b->shape ? plane::shapeOf(*b->shape, *b->state, z) : rcr::PlanarShape {};
+		const auto shape = b->shape ? plane::shapeOf(*b->shape, *b->state, z) : rcr::PlanarShape {};
 		if (const std::string error = bodyError(*b, shape, z); !error.empty()) return error;
 	}
 	return {};
@@ -136,8 +134,7 @@ std::string sphereEngineWarning(const Scene& scene)
 			for (const auto& b : *scene.bodies)
 				if (b && isFreeRcr(*b))
 					return name + " never deletes " + bodyNames({ b->getId() })
-					        + ", which is no Sphere; delete it by a PyRunner: "
-					          "O.bodies.erase(id).";
+					        + ", which is no Sphere; delete it by a PyRunner: O.bodies.erase(id).";
 		if (name != "DragEngine" && name != "LinearDragEngine" && name != "HydroForceEngine")
 			continue;
 		for (const Body::id_t id : static_cast<const PartialEngine&>(*engine).ids)
@@ -292,8 +289,7 @@ std::string obstaclesOutOfPlane(const SceneQuery& v)
 		if (dynamic_cast<const Facet*>(b->shape.get())
 		        && plane::shapeOf(*b->shape, *b->state, z).kind == rcr::PlanarShape::none)
 			return bodyNames({ b->getId() }) + " is a Facet that does not cut the plane z = "
-			        + text(z)
-			        + " of the grains; a Facet is the segment in which it does: put a "
+			        + text(z) + " of the grains; a Facet is the segment in which it does: put a "
 			          "corner on either side, or remove it.";
 	}
 	return {};

@@ -16,8 +16,7 @@ static bool pushes(const Engine& engine)
 {
 	// NewtonIntegrator derives from FieldApplier
 	if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false;
-	return dynamic_cast<const PartialEngine*>(&engine)
-	        || dynamic_cast<const FieldApplier*>(&engine)
+	return dynamic_cast<const PartialEngine*>(&engine) || dynamic_cast<const FieldApplier*>(&engine)
 	        || dynamic_cast<const WallStress*>(&engine);
 }
 

@@ -137,17 +137,13 @@ namespace {
 			        = scene_.interactions->find(a.partner.body->getId(), b.partner.body->getId());
 			if (known && known->isReal()) return;
 			++pairs;
-			if (isBehind(*a.partner.body, way) && behind++ == 0)
+			const bool isBehind
+			        = isWall && a.shape.sense * (a.shape.axis == 0 ? way.x : way.y) < 0;
+			if (isBehind && behind++ == 0)
 				wall = a.partner.body->getId(), grain = b.partner.body->getId();
 			if (part <= share) return;
 			depth = deepest, share = part;
 			std::tie(one, two) = std::minmax({ a.partner.body->getId(), b.partner.body->getId() });
-		}
-
-		static bool isBehind(const Body& obstacle, rcr::Vec2 way)
-		{
-			const Wall* line = dynamic_cast<const Wall*>(obstacle.shape.get());
-			return line && line->sense * (line->axis == 0 ? way.x : way.y) < 0;
 		}
 
 		const Scene&    scene_;

@@ -42,8 +42,7 @@ namespace {
 		        ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
 		        : "Ip2_FrictMat_FrictMat_CdPhys";
 		return std::string("O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack (springs) with ")
-		        + with
-		        + ". Springs need Ip2_FrictMat_FrictMat_FrictPhys, this law and no "
+		        + with + ". Springs need Ip2_FrictMat_FrictMat_FrictPhys, this law and no "
 		          "ContactDynamics; rigid contacts "
 		          "Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb and "
 		          "ContactDynamics before the NewtonIntegrator.";

@@ -40,8 +40,7 @@ inline double capRadii(const Step& step, const StepContact& c)
 inline bool hasLargeDisplacement(
         const Step& step, const StepContact& c, const PlanarVector& v1, const PlanarVector& v2)
 {
-	const double path
-	        = step.dt * norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y })
+	const double path = step.dt * norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y })
 	        + step.pathOf(c.body1, { 0, 0, v1.rotation })
 	        + step.pathOf(c.body2, { 0, 0, v2.rotation });
 	return path * path > largeDisplacement * largeDisplacement * c.size * capRadii(step, c);
