@@ -24,7 +24,7 @@ void ContactDynamics::action()
 		const std::string invalid = attributeError();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
-		if (scene->isPeriodic) setHomoDeform(overdamped || engines.cellStress);
+		if (scene->isPeriodic) suppressHomoDeform(overdamped || engines.cellStress);
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();
 		stepThread_ = std::this_thread::get_id();
@@ -81,13 +81,13 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 		arraySteps_->writeBack(*scene, team, handles_, step_);
 		throw;
 	}
-	// for the processor's cache only: gather has its own order
+	// interactions near in space lie near in memory; results do not depend on their order
 	timed("sort", [&] { sortInteractions(*scene, handles_); });
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
-/// a late contact closes, or if a bias must change. The last pass is accepted, but the step has not
-/// converged if a late contact closes. Settings of each pass derive from `first`.
+/// a late contact closes, or if a bias must change. The last pass is not reviewed: if it leaves out
+/// a late contact, the step has not converged. Settings of each pass derive from `base`.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations          = 0;
@@ -97,15 +97,16 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		timed("meanStretch", [&] {
 			rcr::removeDragImpulses(step_, { double(stretchChange[0]), double(stretchChange[1]) });
 		});
-	// the compliance of yielding contacts, and the impulse beyond which contacts yield
+	// speed of the drive, compliance of yielding contacts, impulse beyond which contacts yield
 	rcr::YieldBounds bounds = rcr::yieldBoundsOf(step_, workspace_.team());
-	rcr::Settings    first = settingsOfFirstPass(bounds), passSettings = first;
-	for (int pass = 1; pass <= mostPasses; ++pass) {
+	rcr::Settings    base = settingsOfFirstPass(bounds), passSettings = base;
+	for (int pass = 1;; ++pass) {
 		passSettings.solutionExists = rcr::restIsAdmissible(step_, bounds.driveSpeed);
 		solvePass(passSettings);
 		if (pass == mostPasses) {
-			const rcr::ContactFilter allows = contactFilter(*scene, engines);
-			if (timed("lateContacts", [&] { return rcr::findLateContacts(step_, allows); }))
+			if (timed("lateContacts", [&] {
+				    return rcr::findLateContacts(step_, contactFilter(*scene, engines));
+			    }))
 				converged = false;
 			if (!overdamped) largeDisplacements_ |= rcr::anyLargeDisplacement(step_);
 			break;
@@ -116,9 +117,9 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		// driven body.
 		if (outcome == PassOutcome::contactsAdded && bounds.driveSpeed == 0) {
 			bounds = rcr::yieldBoundsOf(step_, workspace_.team());
-			if (bounds.driveSpeed > 0) first = settingsOfFirstPass(bounds);
+			if (bounds.driveSpeed > 0) base = settingsOfFirstPass(bounds);
 		}
-		passSettings = settingsOfNextPass(first, outcome);
+		passSettings = settingsOfNextPass(base, outcome);
 	}
 	if (rcr::spansHalfCell(step_)) converged = false;
 	checkFinite(step_, scene->iter);
@@ -139,7 +140,7 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 	const double    layoutBefore  = workspace_.layoutSeconds();
 	const rcr::Vec2 stretchBefore = step_.problem.stretchRate;
 	warmStart_                    = step_.problem.impulse;
-	// yielding contacts open at these velocities, which remove their overlaps
+	// biases by which yielding contacts remove their overlaps
 	rcr::setRecoveryBias(step_, double(correction), workspace_.team());
 	const std::string name   = get<&ContactDynamics::solver>();
 	const rcr::Report report = timed(
@@ -164,18 +165,18 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 ContactDynamics::PassOutcome ContactDynamics::reviewPass(
         const validation::Engines& engines, int pass)
 {
+	const bool nextIsLast = pass == mostPasses - 1;
 	if (timed("lateContacts", [&] { return addLateContacts(*scene, engines, step_); })) {
-		// The last pass is not reviewed, so restitution could add energy. Overdamped steps need
-		// negative biases to remove overlaps.
-		if (pass == mostPasses - 1 && !overdamped) rcr::removeNegativeBiases(step_);
+		// The last pass is not reviewed, so biases that separate bodies could add energy.
+		// Overdamped steps need such biases to remove overlaps.
+		if (nextIsLast && !overdamped) rcr::removeNegativeBiases(step_);
 		return PassOutcome::contactsAdded;
 	}
 	if (overdamped) return PassOutcome::consistent;
 	return timed("biasUpdate", [&] {
-		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::lowerRestitutionOfYielded(step_, nextIsLast))
 			return PassOutcome::biasChanged;
-		const bool mayRelease = pass <= mostPasses / 2; // later passes release no contacts
+		const bool mayRelease = pass <= mostPasses / 2; // else passes could release and load in turn
 		const bool changed    = rcr::adaptBiases(step_, mayRelease, nextIsLast, double(tolerance),
 		        largeDisplacements_, workspace_.team());
 		return changed ? PassOutcome::biasChanged : PassOutcome::consistent;

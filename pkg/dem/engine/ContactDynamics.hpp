@@ -1,20 +1,21 @@
 // Engine that solves all rigid contacts of a step together: nonsmooth Contact Dynamics.
 //
-//   v⁺ = v⁻ + M⁻¹ (dt f + Jᵀ p)          f: gravity and forces of earlier engines [N per unit depth]
-//   0 ≤ u_n + b_n ⟂ p_n ≥ 0               u = J v⁺: relative velocity of a point [m/s]; p: impulse [N s]
+//   v⁺ = v⁻ + M⁻¹ (dt f + Jᵀ p)          f: gravity and forces of earlier engines [N/m]
+//   0 ≤ u_n + b_n ⟂ p_n ≥ 0               u = J v⁺: velocity at a point [m/s]; p: impulse [N s/m]
 //   |p_t| ≤ µ p_n, opposite to sliding    b_n: bias [m/s]
 // b_n is gap/dt if the point is open or the step overdamped, e u_n⁻ if the point rebounds (e:
-// restitution), else 0. v⁻ and v⁺ are velocities before and after the step, M the masses.
+// restitution), else 0; b_n < 0 separates bodies. v⁻, v⁺: before and after the step; M: masses.
 //
 // Stages of a step, on arrays (kernel/step/step.hpp) from `gather` to `scatter`:
 //   gather → [ solve → review ] repeated → correct → monitor → observe → scatter
 //
 // `gather` copies bodies, loads and contacts, with the last forces as initial impulses. The review
-// adds late contacts (detection/late_contacts.hpp), adapts biases to curved paths, and lowers
-// restitution that adds energy; each change requires another pass. `correct` sets displacements.
-// `monitor` counts the step, and throws if driven bodies squeeze grains. In a run, up to 100 steps
-// in arrays may follow (ArraySteps). `scatter` adds the forces p/dt and the displacements to YADE's
-// bodies; NewtonIntegrator moves them. Source: Moreau 1988, 1999; Jean 1999.
+// adds late contacts (late_contacts.hpp), adapts biases after large displacements
+// (large_displacements.hpp), and lowers restitution that adds energy; each change requires another
+// pass. `correct` computes shifts that remove overlaps. `monitor` counts the step, or throws at a
+// jam. In O.run, ArraySteps takes up to 100 steps between gather and scatter. `scatter` adds forces
+// p/dt and shifts to YADE's bodies; NewtonIntegrator moves them. Source: Moreau 1988, 1999; Jean
+// 1999.
 #pragma once
 
 #include <thread>
@@ -76,10 +77,10 @@ public:
 		((bool,trackMeanStretch,false,,"Overdamped bodies also start from the mean stretch of earlier steps, so that no drag resists it. Not in a periodic cell."))
 		((std::vector<int>,observe,,,""))
 		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
-		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances, or meanForceChange, without yielding, and no late contact closed. False also if two bodies span half of a periodic cell, or if large displacements of bodies with inertia left an overlap beyond 0.02 (R₁ + R₂)."))
-		((Published<int>,iterations,0,Attr::readonly,"Sweeps of the last step: the sum over its passes of the sweeps of the island that took most. May exceed maxIterations."))
+		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances (or meanForceChange), no contact yielded, and no late contact was left out. False also if two bodies span half of a periodic cell, or if large displacements of bodies with inertia left an overlap beyond 0.02 (R₁ + R₂)."))
+		((Published<int>,iterations,0,Attr::readonly,"Sweeps of the last step over all its passes, those of the island with most sweeps. May exceed maxIterations."))
 		((Published<double>,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
-		((Published<double>,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step, over their RMS or, if larger, 1 % of the RMS without contacts [-]."))
+		((Published<double>,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step over their RMS [-]. The divisor is at least 1 % of the RMS at zero impulses."))
 		((Published<int>,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance."))
 		((Published<bool>,yielded,false,Attr::readonly,"Contacts of the last step yielded: it had no solution, or only one with impulses that its drive and loads do not explain."))
 		((Published<double>,unbalancedForce,0,Attr::readonly,"Mean net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
@@ -89,7 +90,7 @@ public:
 		((Real,meanForceChange,0,,"Also ends the solver, as converged, once the mean normal force changes relatively less than this in 10 sweeps [-]; 0: not used."))
 		((Vector2r,meanStretchRate,Vector2r::Zero(),Attr::hidden,"Stretch rates along x and y that trackMeanStretch adds to the flow [1/s]."))
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"Change of meanStretchRate in the last step [1/s]."))
-		((int,homoDeformBefore,0,Attr::hidden,"O.cell.homoDeform before this engine set it to 0; 0: it did not."))
+		((int,homoDeformBefore,0,Attr::hidden,"O.cell.homoDeform before this engine set it to 0; 0 if it has not."))
 		((StepMonitor,monitor,,Attr::hidden,"Counts of steps and overlaps."))
 		((EnergyAccount,energy,,Attr::hidden,"Energy of the last step that O.energy does not hold yet.")),
 		/* ctor */,
@@ -104,7 +105,7 @@ public:
 		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. Each entry of observations restarts these means. docs/solvers.md has an example.")
 		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
 		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for ContactDynamics.save.")
-		.def("_change_since_step",&ContactDynamics::changeSinceStep,"Names a change since the last step after which pos − O.dt vel is not the position at its beginning. Before NewtonIntegrator, the velocities differ too. Empty: no change, or O.iter is not that of the last step.")
+		.def("_change_since_step",&ContactDynamics::changeSinceStep,"Names what has changed since the last step, so that pos − O.dt vel is no longer a body's position at the beginning of that step. Before NewtonIntegrator has run, velocities differ too. Empty: no change, or O.iter is not that of the last step.")
 		.def("__dir__",&ContactDynamics::visibleNames)
 	);
 	// clang-format on
@@ -117,8 +118,8 @@ private:
 	int           solverThreads() const;
 	rcr::Settings settings(const rcr::YieldBounds&) const;
 	rcr::Settings settingsOfFirstPass(const rcr::YieldBounds&);
-	rcr::Settings settingsOfNextPass(rcr::Settings first, PassOutcome) const;
-	void          setHomoDeform(bool zero);
+	rcr::Settings settingsOfNextPass(rcr::Settings base, PassOutcome) const;
+	void          suppressHomoDeform(bool);
 	void          runSteps(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
 	void          solvePass(const rcr::Settings&);
@@ -142,7 +143,7 @@ private:
 	StepObserver                  observer_;
 	StageTimes                    times_;
 	mutable std::mutex            attributesMutex_; // guards `solver`, `observe`, `monitor`, `model_`
-	std::atomic<std::thread::id>  stepThread_; // it may read the problem during a run
+	std::atomic<std::thread::id>  stepThread_; // this thread may read the problem during a run
 };
 REGISTER_SERIALIZABLE(ContactDynamics);
 
