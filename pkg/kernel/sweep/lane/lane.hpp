@@ -35,14 +35,12 @@ inline double absolute(double a) { return __builtin_fabs(a); }
 inline double copySign(double a, double b) { return __builtin_copysign(a, b); }
 #endif
 
-/// True or false in every lane.
-template <int N> struct Mask {
-	Mask<N / 2> low, high;
-};
-
 /// N Reals, as two halves unless specialised below.
 template <int N> struct Lane {
 	using Half = Lane<N / 2>;
+	struct Mask { // true or false in every lane
+		typename Half::Mask low, high;
+	};
 	Half low, high;
 
 	Lane() = default;
@@ -72,7 +70,7 @@ template <int N> struct Lane {
 	{
 		return { subtractProduct(c.low, a.low, b.low), subtractProduct(c.high, a.high, b.high) };
 	}
-	friend Mask<N> operator<=(Lane a, Lane b) { return { a.low <= b.low, a.high <= b.high }; }
+	friend Mask operator<=(Lane a, Lane b) { return { a.low <= b.low, a.high <= b.high }; }
 	/// a < b ? a : b and a > b ? a : b, also for zeros of either sign.
 	friend Lane min(Lane a, Lane b) { return { min(a.low, b.low), min(a.high, b.high) }; }
 	friend Lane max(Lane a, Lane b) { return { max(a.low, b.low), max(a.high, b.high) }; }
@@ -82,19 +80,15 @@ template <int N> struct Lane {
 	{
 		return { copySign(a.low, b.low), copySign(a.high, b.high) };
 	}
-	friend Lane select(Mask<N> m, Lane yes, Lane no)
+	friend Lane select(Mask m, Lane yes, Lane no)
 	{
 		return { select(m.low, yes.low, no.low), select(m.high, yes.high, no.high) };
 	}
 	/// 0 where m holds, else a.
-	friend Lane zeroWhere(Mask<N> m, Lane a)
+	friend Lane zeroWhere(Mask m, Lane a)
 	{
 		return { zeroWhere(m.low, a.low), zeroWhere(m.high, a.high) };
 	}
-};
-
-template <> struct Mask<1> {
-	Bits value; // all bits
 };
 
 inline Bits bitsOf(Real a)
@@ -113,6 +107,9 @@ inline Real fromBits(Bits bits)
 
 /// Selects by bits: the processor cannot predict which contacts slide, so a branch costs more.
 template <> struct Lane<1> {
+	struct Mask {
+		Bits value; // all bits
+	};
 	Real value;
 
 	Lane() = default;
@@ -128,7 +125,7 @@ template <> struct Lane<1> {
 	{
 		return fma(-a.value, b.value, c.value);
 	}
-	friend Mask<1> operator<=(Lane a, Lane b) { return { a.value <= b.value ? ~Bits(0) : 0 }; }
+	friend Mask operator<=(Lane a, Lane b) { return { a.value <= b.value ? ~Bits(0) : 0 }; }
 	friend Lane    min(Lane a, Lane b) { return a.value < b.value ? a.value : b.value; }
 	friend Lane    max(Lane a, Lane b) { return a.value > b.value ? a.value : b.value; }
 	friend Lane    abs(Lane a) { return absolute(a.value); }
@@ -136,11 +133,11 @@ template <> struct Lane<1> {
 	{
 		return RCR_LANE_NAMESPACE::copySign(a.value, b.value);
 	}
-	friend Lane select(Mask<1> m, Lane yes, Lane no)
+	friend Lane select(Mask m, Lane yes, Lane no)
 	{
 		return fromBits((bitsOf(yes.value) & m.value) | (bitsOf(no.value) & ~m.value));
 	}
-	friend Lane zeroWhere(Mask<1> m, Lane a) { return fromBits(bitsOf(a.value) & ~m.value); }
+	friend Lane zeroWhere(Mask m, Lane a) { return fromBits(bitsOf(a.value) & ~m.value); }
 };
 
 #if defined(__AVX2__)
@@ -168,7 +165,10 @@ template <> struct Lane<1> {
 friend Lane max(Lane a, Lane b) { return mm##_max_##type(a.value, b.value); }
 
 // AVX2: a mask is a register. −0 has the sign bit alone.
-#define RCR_LANE_AVX2(lanes, type)                                                                 \
+#define RCR_LANE_AVX2(Register, type)                                                              \
+	struct Mask {                                                                                  \
+		Register value;                                                                            \
+	};                                                                                             \
 	friend Lane abs(Lane a) { return _mm256_andnot_##type(Lane(Real(-0.0)).value, a.value); }      \
 	friend Lane copySign(Lane a, Lane b)                                                           \
 	{                                                                                              \
@@ -176,20 +176,23 @@ friend Lane max(Lane a, Lane b) { return mm##_max_##type(a.value, b.value); }
 		return _mm256_or_##type(                                                                   \
 		        _mm256_andnot_##type(sign, a.value), _mm256_and_##type(sign, b.value));            \
 	}                                                                                              \
-	friend Mask<lanes> operator<=(Lane a, Lane b)                                                  \
+	friend Mask operator<=(Lane a, Lane b)                                                         \
 	{                                                                                              \
 		return { _mm256_cmp_##type(a.value, b.value, _CMP_LE_OQ) };                                \
 	}                                                                                              \
-	friend Lane select(Mask<lanes> m, Lane yes, Lane no)                                           \
+	friend Lane select(Mask m, Lane yes, Lane no)                                                  \
 	{                                                                                              \
 		return _mm256_blendv_##type(no.value, yes.value, m.value);                                 \
 	}                                                                                              \
-friend Lane zeroWhere(Mask<lanes> m, Lane a) { return _mm256_andnot_##type(m.value, a.value); }
+friend Lane zeroWhere(Mask m, Lane a) { return _mm256_andnot_##type(m.value, a.value); }
 #endif
 
 #if defined(__AVX512F__)
 // AVX-512: a mask is a number. 0xca chooses bits: the sign of b, the rest of a.
 #define RCR_LANE_AVX512(lanes, type, bits)                                                         \
+	struct Mask {                                                                                  \
+		__mmask##lanes value;                                                                      \
+	};                                                                                             \
 	friend Lane abs(Lane a) { return _mm512_abs_##type(a.value); }                                 \
 	friend Lane copySign(Lane a, Lane b)                                                           \
 	{                                                                                              \
@@ -197,37 +200,29 @@ friend Lane zeroWhere(Mask<lanes> m, Lane a) { return _mm256_andnot_##type(m.val
 		return _mm512_castsi512_##type(_mm512_ternarylogic_##bits(sign,                            \
 		        _mm512_cast##type##_si512(b.value), _mm512_cast##type##_si512(a.value), 0xca));    \
 	}                                                                                              \
-	friend Mask<lanes> operator<=(Lane a, Lane b)                                                  \
+	friend Mask operator<=(Lane a, Lane b)                                                         \
 	{                                                                                              \
 		return { _mm512_cmp_##type##_mask(a.value, b.value, _CMP_LE_OQ) };                         \
 	}                                                                                              \
-	friend Lane select(Mask<lanes> m, Lane yes, Lane no)                                           \
+	friend Lane select(Mask m, Lane yes, Lane no)                                                  \
 	{                                                                                              \
 		return _mm512_mask_blend_##type(m.value, no.value, yes.value);                             \
 	}                                                                                              \
-	friend Lane zeroWhere(Mask<lanes> m, Lane a)                                                   \
+	friend Lane zeroWhere(Mask m, Lane a)                                                          \
 	{                                                                                              \
 		return _mm512_mask_blend_##type(m.value, a.value, _mm512_setzero_##type());                \
 }
 #endif
 
 #if defined(__AVX2__) && !defined(RCR_SINGLE)
-template <> struct Mask<4> {
-	__m256d value;
-};
-
 template <> struct Lane<4> {
 	RCR_LANE_ARITHMETIC(__m256d, _mm256, pd)
-	RCR_LANE_AVX2(4, pd)
+	RCR_LANE_AVX2(__m256d, pd)
 	void store(float* to) const { _mm_store_ps(to, _mm256_cvtpd_ps(value)); }
 };
 #endif
 
 #if defined(__AVX512F__) && !defined(RCR_SINGLE)
-template <> struct Mask<8> {
-	__mmask8 value;
-};
-
 template <> struct Lane<8> {
 	RCR_LANE_ARITHMETIC(__m512d, _mm512, pd)
 	RCR_LANE_AVX512(8, pd, epi64)
@@ -242,21 +237,13 @@ template <> struct Lane<8> {
 #endif
 
 #if defined(__AVX2__) && defined(RCR_SINGLE)
-template <> struct Mask<8> {
-	__m256 value;
-};
-
 template <> struct Lane<8> {
 	RCR_LANE_ARITHMETIC(__m256, _mm256, ps)
-	RCR_LANE_AVX2(8, ps)
+	RCR_LANE_AVX2(__m256, ps)
 };
 #endif
 
 #if defined(__AVX512F__) && defined(RCR_SINGLE)
-template <> struct Mask<16> {
-	__mmask16 value;
-};
-
 template <> struct Lane<16> {
 	RCR_LANE_ARITHMETIC(__m512, _mm512, ps)
 	RCR_LANE_AVX512(16, ps, epi32)
