@@ -222,19 +222,25 @@ void Layout::numberRecords()
 {
 	// a place for each partition of an island, then one for its bodies with overflow pairs only
 	const auto place = [&](int body) {
-		return (partitions_.of(body) != none ? partitions_.of(body)
-		                                                 : islands_[island_[body]].partitions.end)
-		        + island_[body];
+		const int partition = partitions_.of(body), island = island_[body];
+		return (partition != none ? partition : islands_[island].partitions.end) + island;
 	};
-	std::vector<std::int32_t> bodies(
-	        islands_.empty() ? 0 : islands_.back().partitions.end + islands_.size()),
-	        next(bodies.size());
-	for (std::size_t body = 0; body < bodyKind_.size(); ++body)
-		if (island_[body] != none) ++bodies[place(int(body))];
-	records_          = 0;
+	const std::size_t places
+	        = islands_.empty() ? 0 : islands_.back().partitions.end + islands_.size();
+	std::vector<std::int32_t> begin, bodies;
+	listByKey(places, begin, bodies, [&](auto add) {
+		for (std::size_t body = 0; body < bodyKind_.size(); ++body)
+			if (island_[body] != none) add(place(int(body)), int(body));
+	});
+	records_ = 0;
+	record_.resize(bodyKind_.size());
 	const auto number = [&](Range& records, int at, bool half) {
-		next[at] = records.begin = records_;
-		records_ += half ? (bodies[at] + 1) / 2 * 2 : 2 * bodies[at];
+		records.begin = records_;
+		for (int k = begin[at]; k < begin[at + 1]; ++k) {
+			record_[bodies[k]] = records_;
+			records_ += half ? 1 : 2;
+		}
+		records_ += records_ % 2;
 		records.end = records_;
 	};
 	for (std::size_t k = 0; k < islands_.size(); ++k) {
@@ -243,16 +249,8 @@ void Layout::numberRecords()
 			number(sections_[p].records, p + int(k), island.halfRecords);
 		number(island.overflowRecords, island.partitions.end + int(k), island.halfRecords);
 	}
-	record_.resize(bodyKind_.size());
-	for (std::size_t body = 0; body < bodyKind_.size(); ++body) {
-		if (island_[body] == none) {
-			record_[body] = appendRecords(1);
-			continue;
-		}
-		std::int32_t& record = next[place(int(body))];
-		record_[body]        = record;
-		record += islands_[island_[body]].halfRecords ? 1 : 2;
-	}
+	for (std::size_t body = 0; body < bodyKind_.size(); ++body)
+		if (island_[body] == none) record_[body] = appendRecords(1);
 }
 
 /// Lists the pairs without a slot, in the order of the problem.
