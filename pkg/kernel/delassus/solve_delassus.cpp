@@ -35,53 +35,44 @@ static void checkSizes(const DelassusProblem& problem)
 		refuse("the rows of W do not fit its ", blocks, " blocks");
 }
 
-/// Columns ascend and stay in range; each row has its diagonal; the pattern is symmetric.
-static void checkPattern(const DelassusProblem& problem)
+/// Checks the order of the columns, the diagonal and the numbers of row k.
+static void checkRow(const DelassusProblem& problem, std::int32_t k)
 {
-	const std::int32_t count = std::int32_t(problem.freeVelocity.size());
-	for (std::int32_t k = 0; k < count; ++k) {
-		bool diagonal = false;
-		for (std::int32_t e = problem.rowStart[k], last = -1; e < problem.rowStart[k + 1];
-		        ++e) {
-			const std::int32_t j = problem.column[e];
-			if (j <= last || j >= count)
-				refuse("row ", k, " of W: columns are out of range or order");
-			last     = j;
-			diagonal = diagonal || j == k;
-		}
-		if (!diagonal) refuse("row ", k, " of W has no diagonal block");
+	bool diagonal = false;
+	for (std::int32_t e = problem.rowStart[k], last = -1; e < problem.rowStart[k + 1]; ++e) {
+		const std::int32_t   j = problem.column[e];
+		const DelassusBlock& w = problem.block[e];
+		if (j <= last || j >= std::int32_t(problem.freeVelocity.size()))
+			refuse("row ", k, " of W: columns are out of range or order");
+		if (!finite(w.nn, w.nt, w.tn, w.tt)) refuse("block (", k, ", ", j, ") of W is not finite");
+		if (j == k && (w.nn < 0 || w.tt < 0))
+			refuse("W has a negative diagonal at contact ", k,
+			        "; expected a positive semi-definite matrix");
+		last     = j;
+		diagonal = diagonal || j == k;
 	}
+	if (!diagonal) refuse("row ", k, " of W has no diagonal block");
+	const LocalVector q = problem.freeVelocity[k], p = problem.impulse[k];
+	const double      friction = problem.friction[k];
+	if (!finite(q.n, q.t, p.n, p.t)) refuse("contact ", k, ": q or the impulse is not finite");
+	if (!(friction >= 0 && std::isfinite(friction)))
+		refuse("contact ", k, ": µ = ", friction, "; expected µ ≥ 0");
+	if (friction > maxFriction)
+		refuse("contact ", k, ": µ = ", friction,
+		        " is too large to measure errors; expected µ ≤ ", maxFriction);
+}
+
+/// The pattern of W is symmetric. Requires rows that checkRow accepts.
+static void checkSymmetry(const DelassusProblem& problem)
+{
 	const auto columns = problem.column.begin();
-	for (std::int32_t k = 0; k < count; ++k)
+	for (std::int32_t k = 0; k < std::int32_t(problem.freeVelocity.size()); ++k)
 		for (std::int32_t e = problem.rowStart[k]; e < problem.rowStart[k + 1]; ++e) {
 			const std::int32_t j = problem.column[e];
 			if (!std::binary_search(
 			            columns + problem.rowStart[j], columns + problem.rowStart[j + 1], k))
 				refuse("block (", k, ", ", j, ") of W has no mirror image");
 		}
-}
-
-static void checkNumbers(const DelassusProblem& problem)
-{
-	for (std::size_t k = 0; k < problem.freeVelocity.size(); ++k) {
-		for (std::int32_t e = problem.rowStart[k]; e < problem.rowStart[k + 1]; ++e) {
-			const std::int32_t   j = problem.column[e];
-			const DelassusBlock& w = problem.block[e];
-			if (!finite(w.nn, w.nt, w.tn, w.tt))
-				refuse("block (", k, ", ", j, ") of W is not finite");
-			if (j == std::int32_t(k) && (w.nn < 0 || w.tt < 0))
-				refuse("W has a negative diagonal at contact ", k,
-				        "; expected a positive semi-definite matrix");
-		}
-		const LocalVector q = problem.freeVelocity[k], p = problem.impulse[k];
-		if (!finite(q.n, q.t, p.n, p.t))
-			refuse("contact ", k, ": q or the impulse is not finite");
-		if (!(problem.friction[k] >= 0 && std::isfinite(problem.friction[k])))
-			refuse("contact ", k, ": µ = ", problem.friction[k], "; expected µ ≥ 0");
-		if (problem.friction[k] > maxFriction)
-			refuse("contact ", k, ": µ = ", problem.friction[k],
-			        " is too large to measure errors; expected µ ≤ ", maxFriction);
-	}
 }
 
 namespace {
@@ -217,12 +208,13 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 {
 	checkSettings(solver, settings);
 	checkSizes(problem);
-	checkPattern(problem);
-	checkNumbers(problem);
+	for (std::int32_t k = 0; k < std::int32_t(problem.freeVelocity.size()); ++k)
+		checkRow(problem, k);
+	checkSymmetry(problem);
 	Sweeps   sweeps(problem);
 	Momentum momentum; // β = 0 in the first sweep
 	StopTest stop(settings);
-	while (!stop.mustStop(false, [&] { return Criteria { sweeps.measure() }; })) {
+	while (!stop.mustStop(false, [&] { return Criteria { { sweeps.measure() } }; })) {
 		if (solver == "nlgs") sweeps.plain();
 		else if (solver == "sor")
 			sweeps.relaxed();
