@@ -78,7 +78,7 @@ void PackedIsland::prepare()
 void PackedIsland::recomputeVelocities()
 {
 	if (state_.velocityRecomputed) return;
-	const double* const free = packed_.freeBody_.data();
+	const double* const free = packed_.freeBody_.data()->of;
 	if (stretches()) packed_.stretchRate_ = {};
 	forEachRecords([&](const Range& records) {
 		std::copy(free + offsetOf(records.begin), free + offsetOf(records.end),

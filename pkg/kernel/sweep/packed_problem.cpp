@@ -45,10 +45,10 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		savedPoint_.resize(point_.size());
 		for (const Range& vacant : layout_.vacant())
 			std::fill(point_.begin() + vacant.begin, point_.begin() + vacant.end, Column {});
-		body_.assign(offsetOf(layout_.records()) + 4, 0);
+		body_.assign(offsetOf(layout_.records()) / blockWidth + 1, {});
 		oldBody_.resize(body_.size());
-		singleBody_.assign(body_.size(), 0); // prescribed bodies never differ from the reference
-		singleOldBody_.assign(body_.size(), 0);
+		singleBody_.assign(body_.size(), {}); // prescribed bodies never differ from the reference
+		singleOldBody_.assign(body_.size(), {});
 		singlePoint_.resize(point_.size());
 		singleBias_.resize(layout_.pointBlocks());
 	}

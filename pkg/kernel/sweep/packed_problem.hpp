@@ -6,7 +6,6 @@
 // solved one by one after all colours.
 #pragma once
 
-#include <new>
 #include <optional>
 
 #include "parallel/thread_team.hpp"
@@ -16,21 +15,6 @@
 namespace rcr {
 
 class PackedIsland;
-
-/// Allocates at multiples of 64 bytes, as aligned loads of lanes require.
-template <class T> struct LaneAllocator {
-	using value_type = T;
-
-	LaneAllocator() = default;
-	template <class Other> LaneAllocator(const LaneAllocator<Other>&) { }
-	T* allocate(std::size_t count)
-	{
-		return static_cast<T*>(::operator new(count * sizeof(T), std::align_val_t(64)));
-	}
-	void deallocate(T* memory, std::size_t) { ::operator delete(memory, std::align_val_t(64)); }
-	template <class Other> bool operator==(const LaneAllocator<Other>&) const { return true; }
-	template <class Other> bool operator!=(const LaneAllocator<Other>&) const { return false; }
-};
 
 class PackedProblem {
 public:
@@ -62,7 +46,8 @@ public:
 private:
 	friend class PackedIsland;
 
-	template <class Real> using Records = std::vector<Real, LaneAllocator<Real>>;
+	/// Numbers of records, sixteen in a column: aligned loads of lanes require multiples of 64 bytes.
+	template <class Real> using Records = std::vector<ColumnOf<Real>>;
 
 	/// A point of the overflow, in the scaled velocities of packed_blocks.hpp.
 	struct OverflowPoint {
@@ -91,11 +76,12 @@ private:
 
 	PackedView view()
 	{
-		return { body_.data(), oldBody_.data(), layout_.pairBlocks().data(), point_.data() };
+		return { body_.data()->of, oldBody_.data()->of, layout_.pairBlocks().data(),
+			point_.data() };
 	}
 	PackedViewOf<float> singleView()
 	{
-		return { singleBody_.data(), singleOldBody_.data(), layout_.pairBlocks().data(),
+		return { singleBody_.data()->of, singleOldBody_.data()->of, layout_.pairBlocks().data(),
 			singlePoint_.data() };
 	}
 
