@@ -108,9 +108,8 @@ TABLE = {
         ("overflow-not-swept-with-momentum", "from = c.p + momentum * (c.p - c.old)", "from = c.p"),
         ("overflow-not-measured", "total += measuresOf(c.p, relativeVelocity(view, c),",
          "total += measuresOf({}, relativeVelocity(view, c),"),
-        ("relaxed-without-projection",
-         "projectCone(c.p + relaxation * (solution - c.p), c.friction)",
-         "c.p + relaxation * (solution - c.p)"),
+        ("relaxed-without-projection", "projectCone(c.p + relaxation * (p - c.p), c.friction)",
+         "c.p + relaxation * (p - c.p)"),
     ],
     "sweep/packed_island_precision.cpp": [
         ("overflow-without-reference", "c.reference = relativeVelocity(view_, c);", ""),

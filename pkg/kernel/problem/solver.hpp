@@ -88,8 +88,8 @@ private:
 /// cycle.
 constexpr double relaxation = 1.3;
 
-Report solveNlgs(ContactProblem&, const Settings&, Workspace&);     // plain Gauss–Seidel [paper]
-Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-relaxed by 1.3
+/// Gauss–Seidel: plain (the solver of the paper), or over-relaxed as sor.
+Report solveNlgs(ContactProblem&, const Settings&, Workspace&, double relaxation = 1);
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // momentum and restart
 
 /// Sweeps to a residual of about 1e-5, at which exact steps begin (exact/).

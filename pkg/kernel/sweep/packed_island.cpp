@@ -90,46 +90,26 @@ void PackedIsland::recomputeVelocities()
 	state_.velocityRecomputed = true;
 }
 
-/// A sweep without momentum: kernel(view, kernels, chunk) for all chunks, and next(c, solution) as
-/// the new impulse of each point of the overflow.
-template <class Kernel, class Next> void PackedIsland::sweepPlainly(Kernel kernel, Next next)
+void PackedIsland::sweep(double relaxation)
 {
-	const auto sweepIn = [&](const auto& view, const auto& kernels) {
-		forEachChunk([&](const Chunk& chunk, int) { kernel(view, kernels, chunk); });
+	beginSweep();
+	inPrecision([&](const auto& view, const auto& kernels) {
+		forEachChunk([&](const Chunk& chunk, int) { kernels.sweep(view, chunk, relaxation); });
 		forEachOverflowPoint([&](OverflowPoint& c) {
-			const LocalVector p = next(c, solve(view, c, c.p));
+			LocalVector p = solve(view, c, c.p);
+			if (relaxation != 1) p = projectCone(c.p + relaxation * (p - c.p), c.friction);
 			applyImpulse(view, c, p - c.p);
 			c.p = p;
 		});
-	};
-	beginSweep();
-	if (mixedPrecision_) sweepIn(singleView_, *packed_.singleKernels_);
-	else
-		sweepIn(view_, *packed_.kernels_);
-}
-
-void PackedIsland::sweep()
-{
-	sweepPlainly([](const auto& view, const auto& kernels,
-	                     const Chunk& chunk) { kernels.sweep(view, chunk); },
-	        [](const OverflowPoint&, const LocalVector& solution) { return solution; });
-}
-
-void PackedIsland::sweepRelaxed(double relaxation)
-{
-	sweepPlainly([=](const auto& view, const auto& kernels,
-	                     const Chunk& chunk) { kernels.sweepRelaxed(view, chunk, relaxation); },
-	        [=](const OverflowPoint& c, const LocalVector& solution) {
-		        return projectCone(c.p + relaxation * (solution - c.p), c.friction);
-	        });
+	});
 }
 
 double PackedIsland::sweepMomentum(double momentum, const Yielding& yielding)
 {
 	beginSweep();
-	return mixedPrecision_ ? sweepMomentum<float>(
-	                                 singleView_, *packed_.singleKernels_, momentum, yielding)
-	                       : sweepMomentum<double>(view_, *packed_.kernels_, momentum, yielding);
+	return inPrecision([&](auto& view, const auto& kernels) {
+		return sweepMomentum(view, kernels, momentum, yielding);
+	});
 }
 
 /// Each partition extrapolates the velocities of its bodies, v_old ← v + β (v − v_old), and sweeps

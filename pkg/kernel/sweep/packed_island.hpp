@@ -28,8 +28,7 @@ public:
 	/// v ← v_free + M⁻¹Jᵀp, unless v has been recomputed from these impulses.
 	void recomputeVelocities();
 	/// Sweeps of PackedKernels over the pairs with slots, then over the overflow.
-	void   sweep();
-	void   sweepRelaxed(double relaxation);
+	void   sweep(double relaxation = 1);
 	double sweepMomentum(double momentum, const Yielding& = {});
 
 	/// Makes sweeps and `measure` use floats. Does nothing if the island is small, or if its numbers
@@ -76,12 +75,13 @@ private:
 		state_.velocityRecomputed = false;
 		state_.measures.reset();
 	}
-	bool stretches() const
+	bool stretches() const { return island_.cell; }
+	/// work(view, kernels) of the numbers that sweeps use: floats or doubles.
+	template <class Work> auto inPrecision(Work work)
 	{
-		return island_.cell
-		        && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0);
+		return mixedPrecision_ ? work(singleView_, *packed_.singleKernels_)
+		                       : work(view_, *packed_.kernels_);
 	}
-	template <class Kernel, class Next> void sweepPlainly(Kernel, Next);
 	void beginSweep(); // call before each sweep
 	void copyToDoubles();
 	void updateReference();

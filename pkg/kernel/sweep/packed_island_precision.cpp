@@ -88,9 +88,9 @@ void PackedIsland::saveImpulses()
 	Column* const to = packed_.savedPoint_.data();
 	forEachChunk([&](const Chunk& chunk, int) {
 		forEachPointBlock(chunk, [&](int k) {
-			if (mixedPrecision_) copyImpulses(singleView_.points + k, to + k, chunk.model);
-			else
-				copyImpulses(view_.points + k, to + k, chunk.model);
+			inPrecision([&](const auto& view, const auto&) {
+				copyImpulses(view.points + k, to + k, chunk.model);
+			});
 		});
 	});
 	forEachOverflowPoint([](OverflowPoint& c) { c.saved = c.p; });

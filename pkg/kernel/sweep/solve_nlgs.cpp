@@ -4,28 +4,15 @@
 
 namespace rcr {
 
-template <class Sweep>
-static Report solvePlainly(
-        ContactProblem& problem, const Settings& settings, Workspace& workspace, Sweep sweep)
+Report solveNlgs(
+        ContactProblem& problem, const Settings& settings, Workspace& workspace, double relaxation)
 {
 	return solveBySweeps(problem, settings, workspace, [&](PackedIsland& island, IslandStop& stop) {
 		island.beginMixedPrecision();
 		while (!stop.mustStop())
-			sweep(island);
+			island.sweep(relaxation);
 		island.endMixedPrecision();
 	});
-}
-
-Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& workspace)
-{
-	return solvePlainly(
-	        problem, settings, workspace, [](PackedIsland& island) { island.sweep(); });
-}
-
-Report solveSor(ContactProblem& problem, const Settings& settings, Workspace& workspace)
-{
-	return solvePlainly(problem, settings, workspace,
-	        [](PackedIsland& island) { island.sweepRelaxed(relaxation); });
 }
 
 } // namespace rcr

@@ -181,10 +181,8 @@ using PackedView = PackedViewOf<double>;
 template <class Real> struct SweepKernels {
 	using View = PackedViewOf<Real>;
 
-	/// Solves every point once and updates the velocities.
-	void (*sweep)(const View&, const Chunk&);
-	/// p ← P_K(p + relaxation (solution − p))
-	void (*sweepRelaxed)(const View&, const Chunk&, double relaxation);
+	/// Solves every point once and updates the velocities: p ← P_K(p + relaxation (solution − p)).
+	void (*sweep)(const View&, const Chunk&, double relaxation);
 	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖². With a compliance ε > 0, all contacts
 	/// take solution/(1 + ε max(1, w₀/w_nn)).
 	double (*sweepMomentum)(const View&, const Chunk&, double momentum, const Yielding&);

@@ -23,39 +23,31 @@ namespace {
 		        });
 	}
 
-	template <class M, int Points>
-	NOINLINE void sweepAs(const PackedView& view, const Chunk& chunk)
+	/// A rigid contact takes the whole solution of its point.
+	constexpr auto wholeSolution
+	        = [](const auto&, int, const auto&, const auto& solved) INLINE { return solved; };
+
+	template <class M, int Points, class NewImpulse>
+	NOINLINE void sweepAs(const PackedView& view, const Chunk& chunk, NewImpulse newImpulse)
 	{
-		sweepPairs<M, Points>(view, chunk, [](const auto& c, int lane, const auto& u) INLINE {
-			const auto p = M::impulse(c, lane), q = M::solve(c, lane, u, p);
+		sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
+			const auto p = M::impulse(c, lane);
+			const auto q = newImpulse(c, lane, p, M::solve(c, lane, u, p));
 			M::set(c, lane, q);
 			return q - p;
 		});
 	}
 
-	void sweep(const PackedView& view, const Chunk& chunk)
+	void sweep(const PackedView& view, const Chunk& chunk, double relaxation)
 	{
 		withModelAndPoints(chunk, [&](auto model, auto points) {
-			sweepAs<decltype(model), points.value>(view, chunk);
-		});
-	}
-
-	template <class M, int Points>
-	NOINLINE void sweepRelaxedAs(const PackedView& view, const Chunk& chunk, double by)
-	{
-		const L relaxation = Real(by);
-		sweepPairs<M, Points>(view, chunk, [=](const auto& c, int lane, const auto& u) INLINE {
-			const auto p = M::impulse(c, lane), solved = M::solve(c, lane, u, p);
-			const auto q = M::project(c, lane, p + relaxation * (solved - p));
-			M::set(c, lane, q);
-			return q - p;
-		});
-	}
-
-	void sweepRelaxed(const PackedView& view, const Chunk& chunk, double relaxation)
-	{
-		withModelAndPoints(chunk, [&](auto model, auto points) {
-			sweepRelaxedAs<decltype(model), points.value>(view, chunk, relaxation);
+			using M            = decltype(model);
+			const auto relaxed = [by = L(Real(relaxation))](const auto& c, int lane, const auto& p,
+			                             const auto& solved) INLINE {
+				return M::project(c, lane, p + by * (solved - p));
+			};
+			relaxation == 1 ? sweepAs<M, points.value>(view, chunk, wholeSolution)
+			                : sweepAs<M, points.value>(view, chunk, relaxed);
 		});
 	}
 
@@ -68,7 +60,7 @@ namespace {
 		sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
 			const auto p = M::impulse(c, lane), last = p - M::oldImpulse(c, lane),
 			           y = addProduct(p, beta, last);
-			const auto q = newImpulse(c, lane, M::solve(c, lane, u, y));
+			const auto q = newImpulse(c, lane, y, M::solve(c, lane, u, y));
 			// q − y. In floats, the rounding of y would accumulate in the velocities.
 			const auto change = relativeToReference ? subtractProduct(q - p, beta, last) : q - y;
 			M::setOld(c, lane, p);
@@ -79,37 +71,22 @@ namespace {
 		return change2.total();
 	}
 
-	/// A rigid contact takes the whole solution of its point.
-	struct RigidImpulse {
-		template <class Point, class Impulse>
-		INLINE Impulse operator()(const Point&, int, const Impulse& p) const { return p; }
-	};
-
-	/// A yielding contact takes a share of it (problem/yielding.hpp).
-	struct YieldingImpulse {
-		L compliance, leastResponse;
-
-		template <class Point, class Impulse>
-		INLINE Impulse operator()(const Point& c, int lane, const Impulse& p) const
-		{
-			const L scale = max(L(1.0), leastResponse * L::load(c.inverseNn() + lane));
-			return (L(1.0) / (L(1.0) + compliance * scale)) * p;
-		}
-	};
-
 	double sweepMomentum(
 	        const PackedView& view, const Chunk& chunk, double momentum, const Yielding& yielding)
 	{
+		const L compliance = Real(yielding.compliance), leastResponse = Real(yielding.leastResponse);
+		// a share of the solution (problem/yielding.hpp)
+		const auto yielded = [=](const auto& c, int lane, const auto&, const auto& solved) INLINE {
+			const L scale = max(L(1.0), leastResponse * L::load(c.inverseNn() + lane));
+			return (L(1.0) / (L(1.0) + compliance * scale)) * solved;
+		};
 		double change2 = 0;
 		withModelAndPoints(chunk, [&](auto model, auto points) {
-			const auto sweep = [&](auto impulse) {
+			const auto sweep = [&](auto newImpulse) {
 				return sweepMomentumAs<decltype(model), points.value>(
-				        view, chunk, momentum, impulse);
+				        view, chunk, momentum, newImpulse);
 			};
-			change2 = yielding.compliance == 0
-			        ? sweep(RigidImpulse())
-			        : sweep(YieldingImpulse { Real(yielding.compliance),
-			                Real(yielding.leastResponse) });
+			change2 = yielding.compliance == 0 ? sweep(wholeSolution) : sweep(yielded);
 		});
 		return change2;
 	}
@@ -164,8 +141,7 @@ namespace {
 
 #ifdef RCR_SINGLE
 extern const SweepKernels<float> kernels;
-const SweepKernels<float>        kernels { sweep, sweepRelaxed, sweepMomentum, measure,
-	extrapolate };
+const SweepKernels<float>        kernels { sweep, sweepMomentum, measure, extrapolate };
 #else
 namespace {
 
@@ -261,7 +237,7 @@ namespace {
 } // namespace
 
 extern const PackedKernels kernels;
-const PackedKernels        kernels { { sweep, sweepRelaxed, sweepMomentum, measure, extrapolate },
+const PackedKernels        kernels { { sweep, sweepMomentum, measure, extrapolate },
 	RCR_LANES, prepare, apply, updateReference };
 #endif
 
