@@ -67,7 +67,7 @@ void bindStateMachines(py::module_& m)
 	                        bool early) {
 		                return test.mustStop(early, [&] {
 			                const auto [residual, kinematicError, change] = measure();
-			                return Criteria { residual, kinematicError, change };
+			                return Criteria { { residual, kinematicError }, change };
 		                });
 	                },
 	                "measure"_a, "early"_a = false,

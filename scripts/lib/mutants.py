@@ -57,7 +57,7 @@ TABLE = {
         ("no-scale-of-stopping", "std::max(impulse2, 1e-16 * stopping2)", "impulse2"),
     ],
     "problem/settings.hpp": [
-        ("kinematic-error-ignored", " && error <= kinematicTolerance;", ";"),
+        ("kinematic-error-ignored", " && e.kinematicError <= kinematicTolerance;", ";"),
     ],
     "problem/solver.cpp": [
         ("islands-judged-together", "swept.islands.size() <= 1", "true"),

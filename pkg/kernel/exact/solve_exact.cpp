@@ -109,7 +109,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	report.iterations = 0, report.work = 0;
 	ProximalProblem                proximal(problem);
 	std::vector<ProximalParameter> rho(proximal.size());
-	Best       best { { report.residual, report.kinematicError }, problem.impulse };
+	Best       best { report, problem.impulse };
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {
 		remember();
@@ -128,12 +128,10 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
-	const Errors errors   = errorsOf(problem, settings.velocityFloor);
-	report.residual       = errors.residual;
-	report.kinematicError = errors.kinematicError;
-	report.dissipated     = dissipatedEnergy(problem);
-	report.impulseGrowth  = std::numeric_limits<double>::infinity(); // unknown after exact steps
-	report.converged      = report.meetsTolerances(settings);
+	static_cast<Errors&>(report) = errorsOf(problem, settings.velocityFloor);
+	report.dissipated            = dissipatedEnergy(problem);
+	report.impulseGrowth = std::numeric_limits<double>::infinity(); // unknown after exact steps
+	report.converged     = report.meetsTolerances(settings);
 	return report.plusCostOf(swept);
 }
 

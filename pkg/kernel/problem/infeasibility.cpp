@@ -100,11 +100,6 @@ bool exceedsEnergyBound(const ContactProblem& problem)
 	return exceedsEnergyBound(dissipatedEnergy(problem), velocityScale(problem, problem.impulse));
 }
 
-bool mayExceedEnergyBound(double energy, double mass, double freeSpeed)
-{
-	return exceedsEnergyBound(energy, std::sqrt(mass) * freeSpeed);
-}
-
 bool isDivergent(const ContactProblem& problem, const std::vector<LocalVector>& before)
 {
 	double                   growth2 = 0, size2 = 0;

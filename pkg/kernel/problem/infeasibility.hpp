@@ -41,10 +41,6 @@ bool exceedsEnergyBound(const ContactProblem&);
 /// The same test for an energy and the velocity scale V_s of its bodies.
 bool exceedsEnergyBound(double energy, double velocityScale);
 
-/// Heuristic filter before exceedsEnergyBound. It uses the mass of all bodies of an island and the
-/// RMS |u_free| of its points. So it may overlook a wedge in a large island.
-bool mayExceedEnergyBound(double energy, double mass, double freeSpeed);
-
 constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
 constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise
 

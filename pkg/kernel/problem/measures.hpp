@@ -1,7 +1,22 @@
-// Sums over contact points for the error measures (residual.hpp).
+// Error measures of a solution, and the sums over contact points that give them (residual.hpp).
 #pragma once
 
 namespace rcr {
+
+struct Errors {
+	/// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
+	///
+	///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
+	///
+	/// It is 0 if and only if the laws hold exactly.
+	/// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
+	double residual = 0;
+
+	/// Error as a velocity: RMS of w_nn |p − P_K(…)| over the points, divided by a scale [-].
+	/// The scale is the RMS of |u|, at least velocityFloor times the RMS of |u_free|.
+	/// It measures closing velocities, and slip where the law requires sticking.
+	double kinematicError = 0;
+};
 
 struct Measures {
 	double error2          = 0; // ‖p − P_K(…)‖², the numerator of the residual [(N s)²]

@@ -15,8 +15,7 @@ Errors errorsOf(const ContactProblem& given, double velocityFloor)
 		m += measuresOf(problem.impulse[k], relativeVelocity(problem, c), c.bias, c.friction, w);
 		freeVelocity2 += square(freeRelativeVelocity(problem, c));
 	}
-	return { residualFromSums(m.error2, m.impulse2, m.stopping2),
-		     kinematicErrorFromSums(m.kinematicError2, m.velocity2, freeVelocity2, velocityFloor) };
+	return errorsFromSums(m, freeVelocity2, velocityFloor);
 }
 
 } // namespace rcr

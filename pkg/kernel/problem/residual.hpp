@@ -14,21 +14,6 @@ namespace rcr {
 /// tolerance.
 constexpr double maxFriction = 1e3;
 
-struct Errors {
-	/// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
-	///
-	///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
-	///
-	/// It is 0 if and only if the laws hold exactly.
-	/// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
-	double residual;
-
-	/// Error as a velocity: RMS of w_nn |p − P_K(…)| over the points, divided by a scale [-].
-	/// The scale is the RMS of |u|, at least velocityFloor times the RMS of |u_free|.
-	/// It measures closing velocities, and slip where the law requires sticking.
-	double kinematicError;
-};
-
 /// Errors of the impulses. The velocities u are recomputed from them. Points between two prescribed
 /// bodies (w_nn = 0) do not count.
 Errors errorsOf(const ContactProblem&, double velocityFloor);
@@ -51,19 +36,20 @@ inline Measures measuresOf(LocalVector p, LocalVector u, double bias, double fri
 		     -dot(p, { un, u.t }) };
 }
 
-/// Kinematic error from sums of squares over the points: error, |u| and |u_free|.
-inline double kinematicErrorFromSums(
-        double error2, double velocity2, double freeVelocity2, double velocityFloor)
-{
-	return relativeRms(error2, std::max(velocity2, velocityFloor * velocityFloor * freeVelocity2));
-}
-
 /// Residual from sums of squares over the points: error, p, and the impulse that stops a point,
 /// (|u_n| + |b_n|)/w_nn. Without load, ‖p‖ is a rounding error. The denominator is therefore at
 /// least 1e-8 of the stopping impulses.
 inline double residualFromSums(double error2, double impulse2, double stopping2)
 {
 	return relativeRms(error2, std::max(impulse2, 1e-16 * stopping2));
+}
+
+/// Errors from sums over the points; `freeVelocity2`: Σ |u_free|² [(m/s)²].
+inline Errors errorsFromSums(const Measures& m, double freeVelocity2, double velocityFloor)
+{
+	const double scale2 = std::max(m.velocity2, velocityFloor * velocityFloor * freeVelocity2);
+	return { residualFromSums(m.error2, m.impulse2, m.stopping2),
+		relativeRms(m.kinematicError2, scale2) };
 }
 
 } // namespace rcr

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "problem/measures.hpp"
 #include "problem/reductions.hpp"
 #include "problem/yielding.hpp"
 
@@ -60,9 +61,9 @@ struct Settings {
 
 	/// Returns true if residual and kinematic error meet their tolerances. Tolerance 0 is never
 	/// met.
-	bool areMet(double residual, double error) const
+	bool areMet(const Errors& e) const
 	{
-		return tolerance > 0 && residual <= tolerance && error <= kinematicTolerance;
+		return tolerance > 0 && e.residual <= tolerance && e.kinematicError <= kinematicTolerance;
 	}
 };
 

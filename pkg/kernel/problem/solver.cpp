@@ -50,10 +50,8 @@ static bool closesBlocked(
 
 static bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
 {
-	const auto closes = [&](const ContactPoint& c) {
-		return closesBlocked(problem, c, roundingVelocity);
-	};
-	return std::any_of(problem.points.begin(), problem.points.end(), closes);
+	return std::any_of(problem.points.begin(), problem.points.end(),
+	        [&](const ContactPoint& c) { return closesBlocked(problem, c, roundingVelocity); });
 }
 
 /// Returns true if a point must yield, whether its island has converged or not.
@@ -100,10 +98,11 @@ static bool mayDiverge(const Report& report, const Settings& settings)
 	        && settings.maxIterations >= minIterationsToProbe;
 }
 
-static bool exceedsEnergyBound(const ContactProblem& problem, const Report& report)
+/// Heuristic filter before exceedsEnergyBound. It uses the mass of all bodies of an island and the
+/// RMS |u_free| of its points. So it may overlook a wedge in a large island.
+static bool mayExceedEnergyBound(const Report& report)
 {
-	return mayExceedEnergyBound(report.dissipated, report.mass, report.freeSpeed)
-	        && exceedsEnergyBound(problem);
+	return exceedsEnergyBound(report.dissipated, std::sqrt(report.mass) * report.freeSpeed);
 }
 
 /// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
@@ -112,7 +111,8 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
         Workspace& workspace)
 {
 	if (!settings.mayYield()) return false;
-	if (report.yielded || exceedsEnergyBound(problem, report)) return true;
+	if (report.yielded || (mayExceedEnergyBound(report) && exceedsEnergyBound(problem)))
+		return true;
 	for (std::size_t k = 0; k < problem.points.size(); ++k)
 		if (mustYieldAt(problem, k, settings)) return true;
 	if (report.converged || settings.tolerance == 0) return false;
@@ -253,8 +253,8 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	if (rigid.converged && !settings.mayYield() && !settings.solutionExists
 	        // the residual omits blocked contacts, and growing impulses lower it
 	        && (exceedsEnergyBound(problem)
-	                || (closesBlockedContact(problem, settings.roundingVelocity)
-	                        && closesBlockedContact(problem, 1e-12 * drivenSpeed(problem)))))
+	                || closesBlockedContact(problem,
+	                        std::max(settings.roundingVelocity, 1e-12 * drivenSpeed(problem)))))
 		rigid.converged = false;
 	if (rigid.converged) return rigid;
 	std::vector<std::int32_t> points(problem.points.size());
@@ -277,7 +277,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 	const auto needsMore = [&](const Report& island, PointIterator first, PointIterator last) {
 		if (!settings.solutionExists
 		        && (settings.yielding.compliance == 0
-		                || mayExceedEnergyBound(island.dissipated, island.mass, island.freeSpeed)
+		                || mayExceedEnergyBound(island)
 		                || std::any_of(first, last, mayYield)))
 			return true;
 		if (island.converged) return false;
@@ -301,12 +301,11 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		changed = true;
 	}
 	if (changed) {
-		const Errors errors   = errorsOf(problem, settings.velocityFloor);
-		const bool   met      = std::all_of(islands.begin(), islands.end(),
-		               [](const Report& island) { return island.residual == 0; });
-		report.residual       = met ? 0 : errors.residual; // not that of rounding errors
-		report.kinematicError = met ? 0 : errors.kinematicError;
-		report.impulseGrowth  = std::numeric_limits<double>::infinity(); // not measured
+		const bool met = std::all_of(islands.begin(), islands.end(),
+		        [](const Report& island) { return island.residual == 0; });
+		static_cast<Errors&>(report)
+		        = met ? Errors {} : errorsOf(problem, settings.velocityFloor); // 0: not of rounding
+		report.impulseGrowth = std::numeric_limits<double>::infinity(); // not measured
 	}
 	report.combine(std::move(islands));
 	return report;

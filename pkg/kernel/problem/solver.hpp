@@ -12,18 +12,16 @@
 
 namespace rcr {
 
-struct Report {
-	int    iterations     = 0; // of the island that needs most
-	double residual       = 0; // [-]
+struct Report : Errors {
+	int iterations = 0; // of the island that needs most
 	/// Every island has met a stop criterion, or has the residual 0. `solve` revokes this if a
 	/// blocked contact closes, or if an island exceeds an energy bound (infeasibility.hpp).
-	bool   converged      = true;
-	double kinematicError = 0;     // [-]
-	bool   yielded        = false; // contacts yielded, or the rigid step was found to be infeasible
-	double dissipated     = 0;     // energy dissipated by contacts, −Σ p · (u + b_n n) [J/m]
-	double freeSpeed      = 0;     // RMS relative velocity without contact impulses [m/s]
-	double mass           = 0;     // of the bodies with contacts, without hinged ones [kg]
-	double work           = 0; // Σ sweeps × points over islands, without sweeps after exact steps
+	bool   converged  = true;
+	bool   yielded    = false; // contacts yielded, or the rigid step was found to be infeasible
+	double dissipated = 0;     // energy dissipated by contacts, −Σ p · (u + b_n n) [J/m]
+	double freeSpeed  = 0;     // RMS relative velocity without contact impulses [m/s]
+	double mass       = 0;     // of the bodies with contacts, without hinged ones [kg]
+	double work       = 0;     // Σ sweeps × points over islands, without sweeps after exact steps
 
 	/// ‖Δp‖ over the last probeSweeps sweeps, relative to ‖p‖ [-]; infinity if not measured.
 	double impulseGrowth = std::numeric_limits<double>::infinity();
@@ -31,13 +29,13 @@ struct Report {
 	std::vector<Report> islands; // of each island, after sweeps
 
 	/// Returns true if the residual meets its tolerance. Tolerance 0 is never met.
-	bool meetsResidual(const Settings& s) const { return s.areMet(residual, 0); }
+	bool meetsResidual(const Settings& s) const { return s.areMet({ residual, 0 }); }
 
 	/// Returns true if residual and kinematic error meet their tolerances. Only the residual 0
 	/// meets the tolerance 0.
 	bool meetsTolerances(const Settings& s) const
 	{
-		return s.areMet(residual, kinematicError) || (s.tolerance == 0 && residual == 0);
+		return s.areMet(*this) || (s.tolerance == 0 && residual == 0);
 	}
 
 	/// This report with the iterations and the work of an earlier one added.

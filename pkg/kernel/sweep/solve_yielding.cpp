@@ -84,11 +84,9 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, Workspac
 		problem.points[k].bias     = given[k].bias;
 		problem.points[k].friction = given[k].friction;
 	}
-	const Errors errors   = errorsOf(problem, settings.velocityFloor);
-	report.residual       = errors.residual;
-	report.kinematicError = errors.kinematicError;
-	report.yielded        = true;
-	report.converged      = false;
+	static_cast<Errors&>(report) = errorsOf(problem, settings.velocityFloor);
+	report.yielded               = true;
+	report.converged             = false;
 	return report;
 }
 

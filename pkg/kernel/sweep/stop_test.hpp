@@ -6,15 +6,12 @@
 namespace rcr {
 
 /// The quantities that may stop the sweeps, as in Report and Settings [-].
-struct Criteria {
-	double residual        = 0;
-	double kinematicError  = 0;
+struct Criteria : Errors {
 	double meanForceChange = std::numeric_limits<double>::infinity();
 
 	bool met(const Settings& settings) const
 	{
-		return settings.areMet(residual, kinematicError)
-		        || meanForceChange < settings.meanForceChange;
+		return settings.areMet(*this) || meanForceChange < settings.meanForceChange;
 	}
 };
 

@@ -13,14 +13,12 @@ double              Workspace::layoutSeconds() const { return packed_->layoutSec
 constexpr int    sweepsAfterYield  = 50;   // of an island that yielded in an earlier pass
 constexpr double minSingleResidual = 1e-6; // least residual in floats, which round to 6e-8
 
-static Criteria criteriaOf(
+static Errors errorsOf(
         const Measures& m, double freeVelocity2, int points, const Settings& settings)
 {
 	if (m.kinematicError2 < points * settings.roundingVelocity * settings.roundingVelocity)
 		return {};
-	return { residualFromSums(m.error2, m.impulse2, m.stopping2),
-		kinematicErrorFromSums(
-		        m.kinematicError2, m.velocity2, freeVelocity2, settings.velocityFloor) };
+	return errorsFromSums(m, freeVelocity2, settings.velocityFloor);
 }
 
 Settings IslandStop::settingsFor(const PackedIsland& island, const Settings& settings)
@@ -33,79 +31,61 @@ Settings IslandStop::settingsFor(const PackedIsland& island, const Settings& set
 
 Criteria IslandStop::measure()
 {
-	const Criteria criteria = evaluate();
-	if (!island_.mixedPrecision()
-	        || !(criteria.met(stop_.settings()) || criteria.residual <= minSingleResidual))
-		return criteria;
-	island_.endMixedPrecision();
-	measured_ = false;
-	return evaluate();
-}
-
-Criteria IslandStop::evaluate()
-{
 	const Measures m = island_.measure();
-	Criteria criteria = criteriaOf(m, island_.freeVelocity2(), island_.points(), stop_.settings());
-	// NaN without forces: not met
-	if (measured_) criteria.meanForceChange = std::abs(m.normal - normal_) / m.normal;
-	normal_   = m.normal;
-	measured_ = true;
-	return criteria;
+	Criteria criteria { errorsOf(m, island_.freeVelocity2(), island_.points(), settings()) };
+	// NaN without forces or an earlier evaluation: not met
+	criteria.meanForceChange = std::abs(m.normal - normal_) / m.normal;
+	normal_                  = m.normal;
+	const bool mayStop = criteria.met(settings()) || criteria.residual <= minSingleResidual;
+	if (!island_.mixedPrecision() || !mayStop) return criteria;
+	island_.endMixedPrecision();
+	normal_ = std::numeric_limits<double>::quiet_NaN();
+	return measure();
 }
 
-/// Sums over the points of an island or of the whole problem.
-struct Sums {
-	Measures measures;
-	double   freeVelocity2 = 0, mass = 0, change2 = 0;
-	int      points        = 0;
-
-	Sums& operator+=(const Sums& other)
-	{
-		measures += other.measures;
-		freeVelocity2 += other.freeVelocity2, mass += other.mass, change2 += other.change2;
-		points += other.points;
-		return *this;
-	}
-
-	Report report(const Settings& settings) const
-	{
-		const Criteria criteria = criteriaOf(measures, freeVelocity2, points, settings);
-		Report         report;
-		report.residual       = criteria.residual;
-		report.kinematicError = criteria.kinematicError;
-		report.dissipated     = measures.dissipated;
-		report.freeSpeed      = points > 0 ? std::sqrt(freeVelocity2 / points) : 0;
-		report.mass           = mass;
-		// infinite without impulses
-		report.impulseGrowth = change2 > 0 ? std::sqrt(change2 / measures.impulse2) : 0;
-		return report;
-	}
-};
-
-Report reportOf(PackedProblem& packed, const Settings& settings, const std::vector<IslandEnd>& ends)
+IslandEnd IslandStop::end()
 {
-	std::vector<Sums> sums(packed.islands());
-	packed.forEachIsland([&](PackedIsland&& island) {
-		sums[island.number()] = { island.measure(), island.freeVelocity2(), island.mass(), 0,
-			island.points() };
-	});
+	const bool known = island_.hasSavedImpulses() && sweeps() == settings().maxIterations;
+	const double change2 = known ? island_.changeSinceSaved()
+	                             : std::numeric_limits<double>::infinity();
+	const Sums sums { {}, island_.freeVelocity2(), island_.mass(), change2, island_.points() };
+	return { sums, sweeps(), stop_.criteria().meanForceChange, settings().velocityFloor };
+}
+
+static Report reportOf(const Sums& sums, const Settings& settings)
+{
+	const Measures& m = sums.measures;
+	Report          report;
+	static_cast<Errors&>(report) = errorsOf(m, sums.freeVelocity2, sums.points, settings);
+	report.dissipated            = m.dissipated;
+	report.freeSpeed = sums.points > 0 ? std::sqrt(sums.freeVelocity2 / sums.points) : 0;
+	report.mass      = sums.mass;
+	// infinite without impulses
+	report.impulseGrowth = sums.change2 > 0 ? std::sqrt(sums.change2 / m.impulse2) : 0;
+	return report;
+}
+
+Report reportOf(const std::vector<IslandEnd>& ends, const Settings& settings)
+{
 	Sums                whole;
 	std::vector<Report> islands;
-	islands.reserve(sums.size());
-	for (std::size_t k = 0; k < sums.size(); ++k) {
-		sums[k].change2   = ends[k].change2;
+	islands.reserve(ends.size());
+	for (const IslandEnd& end : ends) {
 		Settings own      = settings;
-		own.velocityFloor = ends[k].velocityFloor;
-		islands.push_back(sums[k].report(own));
-		Report&        island = islands.back();
-		const Criteria criteria { island.residual, island.kinematicError, ends[k].meanForceChange };
-		island.converged = criteria.met(settings) || island.meetsTolerances(settings);
-		island.iterations = ends[k].sweeps;
-		island.work       = double(ends[k].sweeps) * sums[k].points;
-		if (island.converged) sums[k].change2 = 0;
-		whole += sums[k];
+		own.velocityFloor = end.velocityFloor;
+		islands.push_back(reportOf(end.sums, own));
+		Report& island = islands.back();
+		island.converged = Criteria { island, end.meanForceChange }.met(settings)
+		        || island.meetsTolerances(settings);
+		island.iterations = end.sweeps;
+		island.work       = double(end.sweeps) * end.sums.points;
+		whole.measures += end.sums.measures;
+		whole.freeVelocity2 += end.sums.freeVelocity2;
+		whole.mass += end.sums.mass;
+		whole.change2 += island.converged ? 0 : end.sums.change2;
+		whole.points += end.sums.points;
 	}
-	Report report = whole.report(settings);
+	Report report = reportOf(whole, settings);
 	report.combine(std::move(islands));
 	return report;
 }

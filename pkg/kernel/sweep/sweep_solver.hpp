@@ -7,6 +7,23 @@
 
 namespace rcr {
 
+/// Sums over the points of an island or of the whole problem.
+struct Sums {
+	Measures measures; // of the stored solution
+	double   freeVelocity2 = 0, mass = 0;
+	/// ‖Δp‖² over the last `probeSweeps` sweeps. Infinite unless the island used all iterations.
+	double change2 = 0;
+	int    points  = 0;
+};
+
+/// The state of an island after its last sweep.
+struct IslandEnd {
+	Sums   sums;
+	int    sweeps;
+	double meanForceChange; // of the last evaluation [-]
+	double velocityFloor;   // of its settings [-]
+};
+
 /// The stop test of an island.
 class IslandStop {
 public:
@@ -24,31 +41,20 @@ public:
 	}
 	int             sweeps() const { return stop_.sweeps(); }
 	const Settings& settings() const { return stop_.settings(); } // of this island
-	double          meanForceChange() const { return stop_.criteria().meanForceChange; }
+	IslandEnd       end(); // without `measures`; call it after the last sweep
 
 private:
 	static Settings settingsFor(const PackedIsland&, const Settings&);
 
 	Criteria measure(); // confirms floats by doubles
-	Criteria evaluate();
 
 	PackedIsland& island_;
 	StopTest      stop_;
-	double        normal_   = 0; // Σ p_n at the last evaluation
-	bool          measured_ = false;
+	double        normal_ = std::numeric_limits<double>::quiet_NaN(); // last Σ p_n, if any
 };
 
-/// The state of an island after its last sweep.
-struct IslandEnd {
-	int    sweeps;
-	double meanForceChange; // of the last evaluation [-]
-	double velocityFloor;   // of its settings [-]
-	/// ‖Δp‖² over the last `probeSweeps` sweeps. Infinite unless the island used all iterations.
-	double change2;
-};
-
-/// The report of the stored solution. It has converged if each island meets the criteria.
-Report reportOf(PackedProblem&, const Settings&, const std::vector<IslandEnd>&);
+/// The report of the solution. It has converged if each island meets the criteria.
+Report reportOf(const std::vector<IslandEnd>&, const Settings&);
 
 /// Loads the problem, calls iterate(island, stop) for each island, and stores the solution. Small
 /// islands are solved in parallel; shared ones follow one by one, each on all threads.
@@ -66,15 +72,13 @@ Report solveBySweeps(
 		packed.forEachIsland([&](PackedIsland&& island) {
 			IslandStop stop(island, settings);
 			iterate(island, stop);
-			const Settings& own   = stop.settings();
-			const bool      known = island.hasSavedImpulses() && stop.sweeps() == own.maxIterations;
-			const double    change2 = known ? island.changeSinceSaved()
-			                                : std::numeric_limits<double>::infinity();
-			ends[island.number()]
-			        = { stop.sweeps(), stop.meanForceChange(), own.velocityFloor, change2 };
+			ends[island.number()] = stop.end();
 		});
 		packed.store(problem);
-		report = reportOf(packed, settings, ends);
+		packed.forEachIsland([&](PackedIsland&& island) {
+			ends[island.number()].sums.measures = island.measure();
+		});
+		report = reportOf(ends, settings);
 	});
 	return report;
 }
