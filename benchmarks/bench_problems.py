@@ -10,7 +10,7 @@ import math
 import os
 
 from rcr import script
-from rcr._data import results
+from rcr._data import run_folder
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import ONE_RATE, PROTOCOL, check_parameters
 
@@ -40,7 +40,7 @@ def main():
                                   inertial_number=PROTOCOL.quick_inertial_number,
                                   time_step=options.time_step)
     given = dict(parameters, states=options.states, strain=options.strain)
-    with results.claim_folder(options.out, "bench_problems.py", given, ["n*_e*.npz"],
+    with run_folder.claim_folder(options.out, "bench_problems.py", given, ["n*_e*.npz"],
                               overwrite=options.overwrite) as begin:
         test = Biaxial.prepare(**parameters)
         test.compact()

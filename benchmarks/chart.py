@@ -30,7 +30,7 @@ matplotlib.use("Agg")
 tqdm.monitor_interval = 0  # no thread, so that a fork is safe
 from benchmarks import charts, tables
 from rcr import script
-from rcr._data import files, results
+from rcr._data import files, run_folder
 
 
 def arguments():
@@ -143,9 +143,9 @@ def main():
     given, options = arguments()
     parameters = dict(charts=given.charts, quick=options.quick, particles=options.particles,
                       siconos=options.siconos, limit=options.limit)
-    with results.claim_folder(options.out, "chart.py", parameters, [], free=list(parameters),
+    with run_folder.claim_folder(options.out, "chart.py", parameters, [], free=list(parameters),
                               resume=True, wait=True) as begin:
         begin()  # several calls may fill a folder; each row has its settings
     for letter in given.charts:
-        with results.lock_folder(options.out, f".lock-{letter}"):
+        with run_folder.lock_folder(options.out, f".lock-{letter}"):
             draw(letter, given, options)

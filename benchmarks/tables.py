@@ -4,7 +4,7 @@ import os
 
 from benchmarks import ROOT
 from rcr import script
-from rcr._data import files, results
+from rcr._data import files, run_folder
 
 
 PEERS = os.path.join(ROOT, "build", "peers")  # default folder of the programs of other libraries
@@ -30,7 +30,7 @@ def store(program, options, columns, measured):
     given = {name: value for name, value in vars(options).items()
              if name not in ("out", "overwrite")}
     made = [f"{name}.csv" for name in columns]
-    with results.claim_folder(options.out, program, given, made,
+    with run_folder.claim_folder(options.out, program, given, made,
                               overwrite=options.overwrite) as begin:
         tables = measured(options)
         begin()

@@ -19,7 +19,7 @@ import time
 from tqdm import tqdm
 
 from rcr import script
-from rcr._data import files, results
+from rcr._data import files, run_folder
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
 from rcr.study.protocol import (DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_networks,
@@ -167,11 +167,11 @@ def load(options, parameters):
     """Return the test of the folder's checkpoint; a ValueError if the options do not fit to it."""
     folder, again = options.out, "start again with --overwrite"
     test = Biaxial.load(folder)
-    other = results.differing(test.parameters, parameters, FREE_PARAMETERS)
+    other = run_folder.differing(test.parameters, parameters, FREE_PARAMETERS)
     if other:
         given = f"--resume: the checkpoint in {folder} has {other}"
         raise ValueError(f"{given}; give its options, or {again}")
-    record = results.read(folder)
+    record = run_folder.read(folder)
     if record is None or "networks" not in record["parameters"]:
         raise ValueError(f"--resume: {folder} has no run.json of this script; {again}")
     networks = record["parameters"]["networks"]
@@ -207,7 +207,7 @@ def main():
     given = {name: value for name, value in vars(options).items() if name not in no_parameters}
     parameters = check_parameters(**given)
     recorded = parameters | {name: getattr(options, name) for name in OUTPUT}
-    folder = results.claim_folder(
+    folder = run_folder.claim_folder(
         options.out, "biaxial.py", recorded, MADE, free=[*FREE_PARAMETERS, *OUTPUT],
         checkpoint=CHECKPOINT, last="summary.json", resume=options.resume,
         overwrite=options.overwrite)

@@ -15,7 +15,7 @@ try:
     from tqdm import tqdm
 
     from rcr import script
-    from rcr._data import results
+    from rcr._data import run_folder
     from rcr.study import report
     from rcr.study.runs import Run, by_elongation
 except ImportError as error:  # continue in the Python of yade-rcr
@@ -54,7 +54,7 @@ def main():
     sources = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
                for run in runs]
     parameters = dict(selection, runs=sources)
-    with results.claim_folder(options.out, "network.py", parameters, MADE,
+    with run_folder.claim_folder(options.out, "network.py", parameters, MADE,
                               overwrite=options.overwrite) as begin:
         with tqdm(bar_format="{desc} …", leave=False, disable=None) as bar:
             table = report.write(runs, options.out, bar.set_description_str, begin)

@@ -29,6 +29,7 @@ if importlib.util.find_spec("hypothesis"):
     hypothesis.settings.register_profile("long", steady, derandomize=False, max_examples=1000)
     hypothesis.settings.load_profile("steady")
 
+
 SWEEPERS = ["nlgs", "sor", "nesterov"]
 
 

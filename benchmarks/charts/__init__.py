@@ -17,7 +17,7 @@ import dataclasses
 import importlib
 import os
 
-from rcr._data import files, results
+from rcr._data import files, run_folder
 from rcr.study.protocol import PROTOCOL
 
 GIVEN_UP = "given up after "  # status of a point that reached its time limit; seconds follow
@@ -39,7 +39,7 @@ class Options:
     @property
     def protocol(self):
         """Short hash of the constants of the biaxial test."""
-        return results.identity(dataclasses.asdict(PROTOCOL))
+        return run_folder.identity(dataclasses.asdict(PROTOCOL))
 
 
 def chart(letter):

@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 from yade.wrapper import Omega
 
 from benchmarks import charts
-from benchmarks.charts.stock import Stock
+from benchmarks.charts.yade_clumps import Stock
 from rcr.study.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import ONE_RATE, PROTOCOL

@@ -20,7 +20,7 @@ import xml.etree.ElementTree as xml
 import numpy as np
 
 from rcr._data.files import atomic_path
-from rcr._pictures.outlines import polygons
+from rcr._pictures.grain_outlines import polygons
 from rcr.frame import Frame
 
 PARTS = ("grains", "contacts", "obstacles")

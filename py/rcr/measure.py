@@ -11,13 +11,13 @@ import numpy as np
 
 from rcr._data import checks
 from rcr._data.files import atomic_path
-from rcr._pictures import outlines
+from rcr._pictures import grain_outlines
 from rcr.frame import Frame
 
 
 def extent(what=None):
     """Return the lower left and upper right corner of the box around all grains, (2, 2) [m]."""
-    return outlines.bounds(_frame(what).grains)
+    return grain_outlines.bounds(_frame(what).grains)
 
 
 def areas(what=None):

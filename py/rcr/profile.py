@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from rcr._data import checks
-from rcr._pictures import outlines as _outlines
+from rcr._pictures import grain_outlines as _outlines
 from rcr.frame import Frame
 
 SAMPLES = 8  # sample points along and across a grain, and along each half of a branch vector

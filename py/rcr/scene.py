@@ -14,7 +14,7 @@ from yade.wrapper import Body, FrictMat, Omega, Rcr, Sphere
 
 from rcr import _kernel, _plugin
 from rcr._data import checks
-from rcr._pictures import outlines as _outlines
+from rcr._pictures import grain_outlines as _outlines
 from rcr._yade.scene_arrays import angle as angle_of, lengths
 
 O = Omega()
@@ -245,7 +245,7 @@ def _vector(name, given, expected, expected_component):
 
 
 def _outlines_of(bodies):
-    """Return grains as `rcr._pictures.outlines` takes them."""
+    """Return grains as `rcr._pictures.grain_outlines` takes them."""
     half_length, cap_radius = np.array([lengths(b.shape) for b in bodies]).T.copy()
     return dict(position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),
                 angle=np.array([angle_of(b.state.ori) for b in bodies]),

@@ -100,7 +100,7 @@ def _path(text):
 
 
 def add_results(parser, what):
-    """Add the options --out and --overwrite, which `rcr._data.results.claim_folder` takes."""
+    """Add the options --out and --overwrite, which `rcr._data.run_folder.claim_folder` takes."""
     out = f"folder of the {what}, made if missing"
     parser.add_argument("--out", type=folder, required=True, metavar="DIR", help=out)
     overwrite = f"replace {what} that were made with other options"

@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 import campaign_runs
 from rcr import script
-from rcr._data import results
+from rcr._data import run_folder
 from rcr.study.protocol import check_networks
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -155,7 +155,7 @@ def main():
                for eta in options.etas for seed in options.seeds]
     parameters = {name: getattr(options, name) for name in FREE}
     claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
-    with results.claim_folder(out, "campaign", parameters, [], **claim) as begin:
+    with run_folder.claim_folder(out, "campaign", parameters, [], **claim) as begin:
         begin()
         try:
             failed = run_with_progress(command(options, config, extra), folders, options)

@@ -10,7 +10,7 @@ import scipy.integrate
 from rcr.study import analysis, claims, observables, statistics
 from rcr.study.ensemble import Ensemble
 from rcr.network import LEFT, RIGHT, Network
-from rcr.study.claims.paper import STATEMENTS
+from rcr.study.claims.statements import STATEMENTS
 from rcr.study.runs import Run
 
 from common import refused

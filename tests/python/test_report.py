@@ -20,8 +20,8 @@ from rcr.study import analysis, figures, report
 from rcr.study.figures import maps
 from rcr.study.figures.plot_style import color
 from rcr.frame import Frame
-from rcr._pictures.outlines import polygons
-from rcr.study.claims.paper import MAPS, STATEMENTS, nearest
+from rcr._pictures.grain_outlines import polygons
+from rcr.study.claims.statements import MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run
 
 from common import complaint, ended, refused

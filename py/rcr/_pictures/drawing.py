@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
-from rcr._pictures.outlines import polygons
+from rcr._pictures.grain_outlines import polygons
 
 COLUMN, PAGE = 3.4, 7.0  # widths of a figure [in]
 TALLEST = 9.0  # largest height of a picture [in]

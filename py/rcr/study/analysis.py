@@ -23,7 +23,7 @@ from rcr.network import sin_phi
 from rcr.study import statistics
 from rcr.study.ensemble import Ensemble
 from rcr.study.observables import MEASURES, Grids, measures
-from rcr.study.claims.paper import MAPS, STATEMENTS
+from rcr.study.claims.statements import MAPS, STATEMENTS
 from rcr.study.runs import by_elongation
 from rcr.study.statistics import mean_of_finite, standard_error
 

@@ -14,7 +14,7 @@ import numpy as np
 from yade.wrapper import Omega
 
 import rcr
-from rcr._data import results
+from rcr._data import run_folder
 from rcr.study import checkpoint, compaction, shear as shearing
 from rcr.study.protocol import FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_parameters
 from rcr.study.records import COUNTERS, Springs, make_records
@@ -178,7 +178,7 @@ class Biaxial:
     def run(self):
         """Short hash of the parameters that determine the results, stored in the files."""
         given = self.parameters.items()
-        return results.identity({name: v for name, v in given if name not in FREE_PARAMETERS})
+        return run_folder.identity({name: v for name, v in given if name not in FREE_PARAMETERS})
 
     @classmethod
     def load(cls, folder):

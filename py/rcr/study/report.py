@@ -15,7 +15,7 @@ from rcr._data import checks, files
 from rcr.study import figures
 from rcr.study.analysis import analyse, jsonable
 from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED, findings
-from rcr.study.claims.paper import MAPS, nearest
+from rcr.study.claims.statements import MAPS, nearest
 from rcr.study.figures import maps
 from rcr.study.runs import group_by_eta
 

@@ -11,7 +11,7 @@ import typing
 
 import numpy as np
 
-from rcr._data import checks, files, results
+from rcr._data import checks, files, run_folder
 from rcr.network import Network
 from rcr.study.ensemble import common_value
 from rcr.study.protocol import HALF_RECORD, critical_start, is_critical
@@ -62,10 +62,10 @@ class Run:
         """
         folder = pathlib.Path(files.path_of("the folder", folder))
         networks, isotropic = _networks(folder)
-        record = results.read(folder)
+        record = run_folder.read(folder)
         if record and record["program"] != "biaxial.py":
-            raise ValueError(f"{folder / results.RUN} is of {record['program']}; expected a folder of "
-                             "scripts/biaxial.py, or networks without this file")
+            raise ValueError(f"{folder / run_folder.RUN} is of {record['program']}; expected a folder "
+                             "of scripts/biaxial.py, or networks without this file")
         _check_one_run(networks, isotropic, record)
         ordered = sorted(networks.values(), key=_strain)
         last = _strain(ordered[-1])
@@ -183,7 +183,7 @@ def _check_network(path, network, record):
                          f"{found:g}; expected at most eta: correct the attribute")
     if not record:
         return
-    known, where = record["parameters"] | dict(run=record["run"]), path.parent / results.RUN
+    known, where = record["parameters"] | dict(run=record["run"]), path.parent / run_folder.RUN
     for name in ("eta", "seed", "run"):
         given = attributes.get(name, record["run"] if name == "run" else None)
         if name in known and given != known[name]:
@@ -255,7 +255,7 @@ def _check_seeds(runs):
         if one.record["run"] == two.record["run"]:
             raise ValueError(f"{two.folder} and {one.folder} hold the same run; "
                              "expected runs of different seeds")
-        different = results.differing(one.record["parameters"], two.record["parameters"], _FREE)
+        different = run_folder.differing(one.record["parameters"], two.record["parameters"], _FREE)
         if different:
             given = f"{one.folder} has {different.replace('(here ', f'({two.folder} ')}"
             raise ValueError(f"{given}; expected runs that differ in their seed alone")

@@ -6,8 +6,8 @@ trend beyond two standard errors. Statements without the data they need are not 
 
 import typing
 
-from rcr.study.claims import statements  # noqa: F401  registers
-from rcr.study.claims.criteria import CLAIMS, NotTested
+from rcr.study.claims import criteria  # noqa: F401  registers
+from rcr.study.claims.comparisons import CLAIMS, NotTested
 
 AGREES, DIFFERS, NOT_TESTED = "agrees", "does not agree", "not tested"
 

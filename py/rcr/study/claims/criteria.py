@@ -1,156 +1,349 @@
-"""Parts of the criteria by which statements of the paper are tested. Needs NumPy.
-
-A criterion is a function of the values {name: array} of an observable. It returns whether the
-statement agrees, the measured value and its error: texts, or arrays with a row for each elongation.
-It raises `NotTested` where the data do not suffice.
-"""
+"""Criteria by which measured values agree with statements of the paper."""
 
 import numpy as np
 
-from rcr.study.observables import MEASURES
-from rcr.study.statistics import common_slope
+from rcr.study.claims.comparisons import (
+    SIGMAS, NotTested, at_both_ends, at_every_eta, at_xi_1, claim, format_errors, format_largest,
+    is_monotonic, is_within, known, list_by_eta, minimum, require_finite, row_of, rows_of, slope_of,
+    trend)
+from rcr.study.statistics import pearson
 
-SIGMAS = 2  # standard errors that a deviation may have by chance
-CLAIMS = []  # (observables, statement, criterion, function), in the order of registration
-OF_ALL = {"strain", "theta", "files"}.union(*(axes for _, axes in MEASURES.values()))
+LONG = (0.01, 1)  # η of grains that are no discs
+
+# --- strength and compaction ------------------------------------------------------------------
 
 
-class NotTested(Exception):
-    """Raised where the data do not suffice; the message is the reason."""
+@claim("O1", "sin φ = 0.30 + 0.30 η at the critical state", "within 0.02 or two errors at every η")
+def _(v):
+    away = v["sin_phi"] - 0.3 - 0.3 * v["eta"]
+    return is_within(away, 0.02, v["sin_phi_error"]), v["sin_phi"], v["sin_phi_error"]
 
 
-def claim(observables, statement, criterion, etas=None, least=1):
-    """Return a decorator that registers a criterion as a row of the table.
+@claim("O2", "P(θ) is isotropic after compaction",
+       "|a_c| below 0.05, or below three standard errors of N random directions, for N contacts")
+def _(v):
+    a_c, error = require_finite(v["a_c"], "no isotropic.h5"), v["a_c_error"]
+    return a_c <= np.maximum(0.05, 3 * error), a_c, error
 
-    The row belongs to the first of `observables`. The criterion takes the values of each: of all
-    elongations, of one (a number), or of those in a range, at least `least`.
+
+@claim("O2", "frictionless packings are isostatic: Z = 4 for discs, Z_c = 6 for long particles "
+       "(each ss twice)", "within 5 %, η = 0 and η ≥ 0.3")
+def _(v):
+    rows = [*rows_of(v, 0, 0, 0), *rows_of(v, 0.3, 1, 0)]
+    if not rows or not np.isfinite(v["coordination_number_twice"]).all():
+        raise NotTested("no isotropic state of these elongations")
+    measured, expected = v["coordination_number_twice"][rows], np.where(v["eta"][rows] == 0, 4, 6)
+    return at_every_eta(v["eta"][rows], np.abs(measured / expected - 1) <= 0.05, measured)
+
+
+@claim("O2", "packing fraction after compaction has its peak near η = 0.4",
+       "largest at an η in [0.3, 0.5]")
+def _(v):
+    for low, high in ((0, 0.2), (0.3, 0.5), (0.6, 1)):
+        rows_of(v, low, high)
+    fraction = require_finite(v["packing_fraction"], "no isotropic.h5")
+    densest = v["eta"][np.argmax(fraction)]
+    return 0.3 - 1e-9 <= densest <= 0.5 + 1e-9, list_by_eta(v["eta"], fraction, 3), ""
+
+
+# --- forces and friction ----------------------------------------------------------------------
+
+
+claim("O3", "α_n falls with η", "slope negative beyond two errors")(
+    lambda v: trend(v, "alpha_n", -1))
+claim("O3", "β_n from 0.1 (η = 0) to −0.4 (η = 0.7)", "both within 0.1 or two errors")(
+    lambda v: at_both_ends(v, "beta_n", 0.1, -0.4, 0.1))
+claim("O3", "share of weak contacts from 60 % (η = 0) to 70 % (η = 0.7)",
+      "both within 0.03 or two errors")(lambda v: at_both_ends(v, "weak_fraction", 0.6, 0.7, 0.03))
+
+
+def _saturates(v, name):
+    falls, _, error = trend(v, name, -1, 0, 0.4)
+    first, middle, last = require_finite(
+        np.array([v[name][row_of(v, eta)] for eta in (0, 0.4, 0.7)]))
+    saturates = abs(last - middle) < 0.5 * abs(middle - first)
+    value = f"{first:.3g} → {middle:.3g} → {last:.3g} (η = 0, 0.4, 0.7)"
+    return falls and saturates, value, error
+
+
+SATURATES = "falls by more than two errors up to η = 0.4; beyond it changes by less than half as much"
+claim("O4", "α_t falls with η and saturates beyond 0.4", SATURATES)(
+    lambda v: _saturates(v, "alpha_t"))
+claim("O4", "β_t falls with η and saturates beyond 0.4", SATURATES)(
+    lambda v: _saturates(v, "beta_t"))
+claim("O5", "I_M from 0.4 (η = 0) to 0.6 (η = 0.7)", "both within 0.05 or two errors")(
+    lambda v: at_both_ends(v, "friction_mobilization", 0.4, 0.6, 0.05))
+
+
+@claim("O6 O5 O3", "mobilised contacts (I_m > 0.99) belong mostly to the weak network",
+       "the weak share of mobilised contacts exceeds that of all contacts, at every η")
+def _(_, v, forces):
+    share = require_finite(v["mobilized_weak_share"], "no mobilised contact at some η")
+    return share > forces["weak_fraction"], share, v["mobilized_weak_share_error"]
+
+
+def _force_levels(v):
+    """Return mean I_mf of the weak bins, f_n in [0.1, 1], and the strong ones, [1, 4]; (2, η)."""
+    levels = [(v["f_n"] > 0.1) & (v["f_n"] < 1), (v["f_n"] > 1) & (v["f_n"] < 4)]
+    used = [np.isfinite(v["i_mf"]) & level for level in levels]
+    count = require_finite(np.where(np.array(used).any(axis=2), np.sum(used, axis=2), np.nan))
+    return np.array([np.where(level, v["i_mf"], 0).sum(axis=1) for level in used]) / count
+
+
+@claim("O7", "I_mf falls with f_n",
+       "I_mf of strong bins below that of weak bins, at every η (difference given)")
+def _(v):
+    weak, strong = _force_levels(v)
+    return strong < weak, strong - weak
+
+
+@claim("O7", "I_mf rises with η at every force",
+       "slope with η positive beyond two errors, for weak and for strong bins")
+def _(v):
+    slopes, errors = np.transpose([slope_of(v["eta"], level) for level in _force_levels(v)])
+    value = "slope {:.2g} (weak), {:.2g} (strong)".format(*slopes)
+    return (slopes > SIGMAS * errors).all(), value, format_errors(errors)
+
+
+@claim("O8", "discs: P(I_m) falls nearly linearly",
+       "straight line through all bins: slope negative, r² ≥ 0.8", etas=0)
+def _(v):
+    i_m, pdf = v["i_m"], v["pdf"]
+    r2, inner_r2 = (require_finite(pearson(i_m[:end], pdf[:end])) ** 2 for end in (None, -1))
+    (slope, error), (inner, _) = slope_of(i_m, pdf), slope_of(i_m[:-1], pdf[:-1])
+    without = f"without the last bin {inner:.2f}, {inner_r2:.2f}; last bin {pdf[-1]:.2f}"
+    value = f"slope {slope:.2f}, r² {r2:.2f}; {without}"
+    return slope < 0 and r2 >= 0.8, value, f"slope {error:.1g}"
+
+
+@claim("O8", "long particles: a bin of contacts close to I_m = 1 stands out",
+       "at the largest η ≥ 0.5 P of the last bin is over twice the mean of the others",
+       etas=(0.5, 1))
+def _(v):
+    last, others = v["pdf"][-1, -1], v["pdf"][-1, :-1].mean()
+    value = f"{last:.2f} against {others:.2f} (η = {v['eta'][-1]:g})"
+    return last > 2 * others, value, format_errors(v["pdf_error"][-1, -1])
+
+
+@claim("O9", "chains of particles with side-side contacts, of like orientation",
+       "a map: to be looked at")
+def _(v):
+    raise NotTested("see the map")
+
+
+# --- branch vectors and contact types ---------------------------------------------------------
+
+
+def _mode(l_r, eta, pdf, errors, place):
+    """Return position and height of the largest density near a place, and whether it is a mode.
+
+    A mode exceeds, by more than its error, the lowest density on each side between it and the
+    middle to the next mode.
     """
-    keys = observables.split()
-
-    def register(test):
-        def verdict(values):
-            parts = [_chosen(values[key], etas, least) for key in keys]
-            agrees, value, *error = test(*parts)
-            if np.ndim(agrees):
-                return at_every_eta(parts[0]["eta"], agrees, value, *error)
-            return agrees, value, *error
-
-        CLAIMS.append((keys[0], statement, criterion, verdict))
-
-    return register
+    near = np.flatnonzero(np.abs(l_r - place) <= max(0.04, 0.2 * eta) / 2 + 1e-9)
+    k = near[np.argmax(pdf[near])]
+    left = (l_r > place - eta / 2) & (l_r < l_r[k])
+    right = (l_r < place + eta / 2) & (l_r > l_r[k])
+    inside = [side & (l_r > 1 - eta) for side in (left, right)]
+    error = known(errors[k])
+    return l_r[k], pdf[k], all(pdf[k] - pdf[side].min() > error for side in inside if side.any())
 
 
-def _chosen(v, etas, least):
-    if etas is None:
-        return v
-    rows = rows_of(v, *etas, least) if isinstance(etas, tuple) else row_of(v, etas)
-    return {name: array if name in OF_ALL else array[rows] for name, array in v.items()}
+def _modes(v, places, sign):
+    columns = zip(v["eta"], v["pdf"], v["pdf_error"], places)
+    at, heights, stand_out = np.transpose([_mode(v["l_r"], *column) for column in columns])
+    agrees = stand_out.all()
+    if sign:
+        slope, error = slope_of(v["eta"], heights)
+        agrees &= sign * slope > SIGMAS * error
+    listed = ", ".join(f"{x:.2f} ({height:.2f})" for x, height in zip(at, heights))
+    etas = ", ".join(f"{eta:g}" for eta in v["eta"])
+    error = f"height {format_largest(v['pdf_error'])}"
+    return agrees, f"at ℓ_r (height): {listed} for η = {etas}", error
 
 
-def row_of(v, eta):
-    """Return the index of an elongation."""
-    index = int(np.argmin(np.abs(v["eta"] - eta)))
-    if abs(v["eta"][index] - eta) > 0.02:
-        raise NotTested(f"no run of η = {eta:g}")
-    return index
+MODES = dict(etas=(0.2, 1), least=3)
+claim("O10", "P(ℓ_r) has a mode at 1 − η that grows with η",
+      "a local maximum there at every η ≥ 0.2, rising beyond two errors", **MODES)(
+    lambda v: _modes(v, 1 - v["eta"], +1))
+claim("O10", "P(ℓ_r) has a mode near 1 − η/2 that shrinks with η",
+      "a local maximum there at every η ≥ 0.2, falling beyond two errors", **MODES)(
+    lambda v: _modes(v, 1 - v["eta"] / 2, -1))
+claim("O10", "P(ℓ_r) has a mode near 1", "a local maximum there at every η ≥ 0.2", **MODES)(
+    lambda v: _modes(v, np.ones_like(v["eta"]), 0))
+claim("O11", "the share of side-side contacts grows with η", "slope positive beyond two errors")(
+    lambda v: trend(v, "fraction_ss", +1))
 
 
-def rows_of(v, low, high, least=1):
-    """Return the indices of the elongations within [low, high], at least `least`."""
-    rows = np.flatnonzero((v["eta"] >= low - 1e-9) & (v["eta"] <= high + 1e-9))
-    if len(rows) < least:
-        plural = "s" * (least > 1)
-        raise NotTested(
-            f"expected {least} elongation{plural} in [{low:g}, {high:g}], there are {len(rows)}")
-    return rows
+def _sign_up_to_0_3(eta):
+    """Return 1 up to η = 0.3 and −1 above, where elongations on both sides are known."""
+    sign = np.where(eta <= 0.3 + 1e-9, 1, -1)
+    if len(set(sign)) < 2:
+        raise NotTested("expected elongations below and above 0.3")
+    return sign
 
 
-def at_xi_1(v, name):
-    """Return values and errors at ξ = 1."""
-    k = int(np.argmin(np.abs(v["xi"] - 1)))
-    return v[name][:, k], known(v[f"{name}_error"][:, k])
+def _sign_change(v, name):
+    rows = np.flatnonzero(np.isfinite(v[name]))
+    value, error = v[name][rows], v[f"{name}_error"][rows]
+    agrees = _sign_up_to_0_3(v["eta"][rows]) * value > -SIGMAS * known(error)
+    return at_every_eta(v["eta"][rows], agrees, value, error)
 
 
-def minimum(v, name):
-    """Return ξ, value and error of the lowest point of each function of ξ ≤ 6."""
-    k = np.argmin(v[name][..., v["xi"] <= 6], axis=-1)
-    place = (*np.indices(k.shape, sparse=True), k)
-    return v["xi"][k], v[name][place], known(v[f"{name}_error"][place])
+SIGN = "its sign, within two errors, at every η"
+claim("O12", "C(f, ℓ_r) is positive for η ≤ 0.3, negative above", f"{SIGN} (discs have no ℓ_r)")(
+    lambda v: _sign_change(v, "c_f_lr"))
+claim("O12", "C(f, ℓ) is positive for η ≤ 0.3, negative above", SIGN)(
+    lambda v: _sign_change(v, "c_f_l"))
 
 
-def require_finite(values, reason="too few contacts"):
-    """Return the values; raise NotTested with a reason if one is NaN."""
-    if not np.isfinite(values).all():
-        raise NotTested(reason)
-    return values
+@claim("O12", "C falls to −0.22",
+       "smaller of C(f, ℓ_r), C(f, ℓ) at η = 0.7 within 0.05 or two errors", etas=0.7)
+def _(v):
+    c, error = min((v[name], v[f"{name}_error"]) for name in ("c_f_lr", "c_f_l"))
+    return is_within(require_finite(c) + 0.22, 0.05, error), f"{c:.3f}", format_errors(error)
 
 
-def known(error):
-    """Return the errors, with 0 for unknown ones: then the tolerance alone counts."""
-    return np.nan_to_num(error)
+@claim("O13", "force above the mean for side-side contacts, well below it for aligned cap-cap ones",
+       "mean force above 1 in the lowest bin of ℓ_r, below 0.8 in the highest, at η ≥ 0.4",
+       etas=(0.4, 1))
+def _(v):
+    bins = [means[np.isfinite(means)] for means in v["f_l_r"]]
+    if not all(map(len, bins)):
+        raise NotTested("too few contacts")
+    first, last = np.transpose([means[[0, -1]] for means in bins])
+    columns = zip(v["eta"], first, last)
+    value = ", ".join(f"{one:.2f} and {two:.2f} ({eta:g})" for eta, one, two in columns)
+    return ((first > 1) & (last < 0.8)).all(), value, ""
 
 
-def is_within(deviation, tolerance, error):
-    """Test whether deviations are within a tolerance or two errors, whichever is wider."""
-    return np.abs(deviation) <= np.maximum(tolerance, SIGMAS * known(error))
+@claim("O13", "mean force rises with ℓ for η ≤ 0.3 and falls above",
+       "sign of the slope over the bins of ℓ, at every η")
+def _(v):
+    sign = _sign_up_to_0_3(v["eta"])
+    slopes, errors = np.transpose([slope_of(v["l"], means) for means in v["f_l"]])
+    return sign * slopes > 0, slopes, errors
 
 
-def slope_of(x, y):
-    """Return the slope of a straight line, and its standard error from the scatter about it."""
-    keep = np.isfinite(y)
-    if keep.sum() < 3:
-        raise NotTested(f"expected at least three values for a trend, there are {keep.sum()}")
-    return common_slope([(x[keep], y[keep])])
+# --- anisotropies and shear stress ------------------------------------------------------------
 
 
-def trend(v, name, sign, low=0, high=1):
-    """Test whether a value rises (sign +1) or falls (−1) with η."""
-    rows = rows_of(v, low, high, 3)
-    slope, error = slope_of(v["eta"][rows], v[name][rows])
-    first, last = require_finite(v[name][rows[[0, -1]]])
-    low, high = v["eta"][rows[[0, -1]]]
-    value = f"{first:.3g} → {last:.3g} (η = {low:g} → {high:g})"
-    return sign * slope > SIGMAS * error, value, f"slope {slope:.2g} ± {error:.1g}"
+@claim("O14", "at η = 0.5 P(θ, ξ) has the axis of σ₁ for every ξ",
+       "axis of its Fourier fit within 10° or two errors of θσ for each ξ shown", etas=0.5)
+def _(v):
+    away, error = np.degrees(require_finite(v["off_axis"])), np.degrees(v["off_axis_error"])
+    cutoffs = [*(f"{xi:g}" for xi in v["xi"][:-1]), "∞"]
+    listed = ", ".join(f"{a:.1f}° (ξ = {xi})" for a, xi in zip(away, cutoffs))
+    return is_within(away, 10, error).all(), listed, f"{format_largest(error)}°"
 
 
-def is_monotonic(v, name, sign):
-    """Test whether functions of ξ rise (sign +1) or fall (−1) for 0.2 ≤ ξ ≤ 6.
-
-    The largest step back must be below two errors or 10 % of the range. Returns the verdicts and
-    the largest steps back, (η,) each.
-    """
-    keep = (v["xi"] >= 0.2) & (v["xi"] <= 6)
-    curves, errors = sign * v[name][:, keep], known(v[f"{name}_error"][:, keep])
-    back = np.max(np.maximum.accumulate(curves, axis=1) - curves, axis=1)
-    allowed = np.maximum(0.1 * np.ptp(curves, axis=1), SIGMAS * errors.max(axis=1))
-    return back <= allowed, back
+@claim("O14", "at η = 0.5 its anisotropy grows with ξ",
+       "the last exceeds the first; none is below the previous one by over two errors", etas=0.5)
+def _(v):
+    amplitude, error = require_finite(v["amplitude"]), known(v["amplitude_error"])
+    rises = np.diff(amplitude) > -SIGMAS * np.hypot(error[1:], error[:-1])
+    agrees = rises.all() and amplitude[-1] > amplitude[0]
+    return agrees, ", ".join(f"{a:.2f}" for a in amplitude), format_largest(error)
 
 
-def at_both_ends(v, name, low, high, tolerance):
-    """Test the values at η = 0 and 0.7 against those of the paper."""
-    rows = [row_of(v, 0), row_of(v, 0.7)]
-    value, error = require_finite(v[name][rows]), v[f"{name}_error"][rows]
-    agrees = is_within(value - (low, high), tolerance, error).all()
-    return agrees, f"{value[0]:.3g} → {value[1]:.3g}", format_errors(error)
+@claim("O15", "discs: a_c(ξ) negative with its extremum at ξ ≈ 1, then positive",
+       "lowest at ξ in [0.7, 1.3] and below 0 by two errors; positive at the end", etas=0)
+def _(v):
+    (xi, lowest, error), end = minimum(v, "a_c"), v["a_c"][-1]
+    agrees = 0.7 <= xi <= 1.3 and lowest < -SIGMAS * error and end > 0
+    return agrees, f"{lowest:.3f} at ξ = {xi:.2f}, {end:.3f} at the end", format_errors(error)
 
 
-def at_every_eta(etas, agrees, values, errors=None):
-    """Combine verdicts on several elongations; list the value of each, with η in brackets."""
-    off = ", ".join(f"{eta:g}" for eta, agreed in zip(etas, agrees) if not agreed)
-    value = list_by_eta(etas, require_finite(values)) + (f"; off at η = {off}" if off else "")
-    return not off, value, "" if errors is None else format_largest(errors)
+@claim("O15", "η > 0: a_c(ξ) positive for every ξ",
+       "not below 0 by two errors at any ξ ≥ 0.2, for every η > 0 (lowest value given)", LONG)
+def _(v):
+    value, error = (v[name][:, v["xi"] >= 0.2] for name in ("a_c", "a_c_error"))
+    return (value >= -SIGMAS * known(error)).all(axis=1), value.min(axis=1), error
 
 
-def list_by_eta(etas, values, digits=2):
-    """Return values as a text, with η in brackets."""
-    return ", ".join(f"{value:.{digits}f} ({eta:g})" for value, eta in zip(values, etas))
+@claim("O15", "a_c = 0.3 at ξ = 1 for long particles", "within 0.05 or two errors at every η ≥ 0.5",
+       etas=(0.5, 1))
+def _(v):
+    value, error = at_xi_1(v, "a_c")
+    return is_within(value - 0.3, 0.05, error), value, error
 
 
-def format_errors(error):
-    """Return errors as a text, with ? for unknown ones."""
-    return ", ".join("?" if np.isnan(e) else f"{e:.1g}" for e in np.atleast_1d(error))
+@claim("O16", "a_ln positive for η ≤ 0.1, negative above",
+       "sign of a_ln(∞), within two errors, at every η")
+def _(v):
+    value, error = v["a_ln"][:, -1], known(v["a_ln_error"][:, -1])
+    return np.where(v["eta"] <= 0.1 + 1e-9, 1, -1) * value > -SIGMAS * error, value, error
 
 
-def format_largest(errors):
-    """Return the largest of the known errors as a text."""
-    return f"≤ {known(errors).max():.1g}"
+@claim("O16", "where negative, a_ln has its peak for ξ in [1, 2]",
+       "lowest at a ξ in [0.9, 2.1] for every η ≥ 0.2 (ξ given; searched up to 6)", etas=(0.2, 1))
+def _(v):
+    xi, _, _ = minimum(v, "a_ln")
+    return (xi >= 0.9) & (xi <= 2.1), xi
+
+
+@claim("O16", "a_lt < 0 and monotonic in ξ",
+       "a_lt(∞) < 0; no rise by more than 10 % of its range or two errors, for every η > 0", LONG)
+def _(v):
+    smooth, _ = is_monotonic(v, "a_lt", -1)
+    value = v["a_lt"][:, -1]
+    return smooth & (value < 0), value, v["a_lt_error"][:, -1]
+
+
+@claim("O16 O15", "|a_lt| > |a_ln|, both weak compared with a_c",
+       "at ξ = ∞ for every η ≥ 0.2: |a_ln| < |a_lt| < a_c/2 (|a_lt|/|a_ln| given)", etas=(0.2, 1))
+def _(v, contacts):
+    a_ln, a_lt = (np.abs(v[name][:, -1]) for name in ("a_ln", "a_lt"))
+    ratio = np.divide(a_lt, a_ln, out=np.full_like(a_lt, np.nan), where=a_ln > 0)
+    return (a_ln < a_lt) & (a_lt < 0.5 * contacts["a_c"][:, -1]), ratio
+
+
+@claim("O17", "discs: a_fn(ξ) positive",
+       "not below 0 by two errors at any ξ ≥ 0.2 (lowest value given)", etas=0)
+def _(v):
+    value, error = (v[name][v["xi"] >= 0.2] for name in ("a_fn", "a_fn_error"))
+    agrees = (value >= -SIGMAS * known(error)).all()
+    return agrees, f"{value.min():.3f}", format_largest(error)
+
+
+@claim("O17", "η > 0: a_fn(ξ) negative for ξ < 1 with its extremum at ξ = 1",
+       "lowest at ξ in [0.9, 1.1] and below 0 by two errors, for every η > 0 (ξ given)", LONG)
+def _(v):
+    xi, lowest, error = minimum(v, "a_fn")
+    return (xi > 0.89) & (xi < 1.11) & (lowest < -SIGMAS * error), xi
+
+
+@claim("O17", "η > 0: a_fn becomes positive beyond ξ ≈ 2",
+       "last change of sign at ξ in [1.5, 3] for every η > 0 (ξ given)", LONG)
+def _(v):
+    xi = np.max(np.where(v["a_fn"] < 0, v["xi"], 0), axis=1)
+    return (xi >= 1.5) & (xi <= 3), xi
+
+
+claim("O17", "a_ft rises with ξ",
+      "no fall by more than 10 % of its range or two errors, at every η (largest given)")(
+    lambda v: is_monotonic(v, "a_ft", +1))
+claim("O17", "a_ft rises with η", "slope of a_ft(∞) positive beyond two errors")(
+    lambda v: trend(v | dict(whole=v["a_ft"][:, -1]), "whole", +1))
+
+
+@claim("O18", "discs: q(ξ)/p is 0 for ξ < 1",
+       "|q(ξ)/p| below 0.02 or two errors for every ξ ≤ 1 (largest given)", etas=0)
+def _(v):
+    value, error = (v[name][v["xi"] <= 1 + 1e-9] for name in ("q_over_p", "q_over_p_error"))
+    agrees = is_within(value, 0.02, error).all()
+    return agrees, f"{np.abs(value).max():.3f}", format_largest(error)
+
+
+@claim("O18", "q/p of the weak network below 0.1",
+       "q(1)/p below 0.1, or above it by less than two errors, at every η")
+def _(v):
+    value, error = at_xi_1(v, "q_over_p")
+    return value - SIGMAS * error < 0.1, value, error
+
+
+@claim("O18", "half-sum of the anisotropies fits q(ξ)/p at every ξ",
+       "difference below 10 % of q(∞)/p at every ξ and η (largest share given)")
+def _(v):
+    share = np.abs(v["closure"]).max(axis=1) / np.abs(v["q_over_p"][:, -1])
+    return share <= 0.1, share

@@ -3,7 +3,7 @@
 import matplotlib
 import numpy as np
 
-from rcr.study.claims.paper import ETAS
+from rcr.study.claims.statements import ETAS
 
 MARKERS = "osD^v<>p"
 

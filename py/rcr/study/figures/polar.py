@@ -6,7 +6,7 @@ See `rcr.study.figures` for the arguments of each ``plot_…``.
 import matplotlib.ticker
 import numpy as np
 
-from rcr.study.claims.paper import POLAR_ETA, nearest
+from rcr.study.claims.statements import POLAR_ETA, nearest
 from rcr.study.figures.plot_style import MARKERS, column, color, xi_color
 
 

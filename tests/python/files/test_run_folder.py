@@ -10,7 +10,7 @@ import sys
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcr._data import files, results
+from rcr._data import files, run_folder
 
 from common import python, refused
 
@@ -19,7 +19,7 @@ MADE = ["data-*.txt", "summary.json", "checkpoint"]
 
 
 def owned(folder, parameters=PARAMETERS, **how):
-    return results.claim_folder(folder, "test.py", parameters, MADE, free=["threads"],
+    return run_folder.claim_folder(folder, "test.py", parameters, MADE, free=["threads"],
                                 checkpoint="checkpoint", last="summary.json", **how)
 
 
@@ -37,10 +37,10 @@ def names(folder):
 
 def test_the_record(tmp_path):
     record = make(tmp_path / "a" / "ü")
-    assert results.read(tmp_path / "a" / "ü") == record
+    assert run_folder.read(tmp_path / "a" / "ü") == record
     assert record["parameters"] == PARAMETERS and record["program"] == "test.py"
     assert {"version", "commit", "date", "run"} <= set(record)
-    assert results.read(tmp_path) is None
+    assert run_folder.read(tmp_path) is None
     more = make(tmp_path / "b", dict(PARAMETERS, threads=2))
     assert more["run"] == record["run"] != make(tmp_path / "c", dict(PARAMETERS, eta=0.25))["run"]
 
@@ -59,7 +59,7 @@ def test_overwrite_removes_the_files_of_the_old_run_only(tmp_path):
     make(tmp_path, files=("data-1.txt", "data-2.txt", "mine.txt"))
     make(tmp_path, dict(PARAMETERS, eta=0.4), files=("data-1.txt",), overwrite=True)
     assert names(tmp_path) == ["data-1.txt", "mine.txt", "run.json"]
-    assert results.read(tmp_path)["parameters"]["eta"] == 0.4
+    assert run_folder.read(tmp_path)["parameters"]["eta"] == 0.4
 
 
 def test_the_same_run_again(tmp_path):
@@ -80,7 +80,7 @@ def test_an_early_failure_loses_nothing(tmp_path):
     make(tmp_path)
     with pytest.raises(RuntimeError), owned(tmp_path, dict(PARAMETERS, eta=0.4), overwrite=True):
         raise RuntimeError
-    assert "data-1.txt" in names(tmp_path) and results.read(tmp_path)["parameters"] == PARAMETERS
+    assert "data-1.txt" in names(tmp_path) and run_folder.read(tmp_path)["parameters"] == PARAMETERS
 
 
 def test_resume_keeps_files_and_may_change_free_options(tmp_path):
@@ -98,7 +98,7 @@ def test_results_of_nobody_or_of_another_script_are_kept(tmp_path):
     (tmp_path / "data-old.txt").touch()
     refused("holds data-old.txt of an unknown run", make, tmp_path)
     make(tmp_path, overwrite=True)
-    claim = results.claim_folder(tmp_path, "other.py", {}, ["*"], overwrite=True)
+    claim = run_folder.claim_folder(tmp_path, "other.py", {}, ["*"], overwrite=True)
     refused("holds results of test.py; choose another --out", claim.__enter__)
     assert "data-1.txt" in names(tmp_path)
 
@@ -119,9 +119,9 @@ def test_parts_of_a_killed_process_go(tmp_path):
 
 def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
     code = (
-        "import sys; from rcr._data import results\n"
-        "with results.claim_folder(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) "
-        "as begin: begin(); print('in', flush=True); sys.stdin.read()"
+        "import sys; from rcr._data import run_folder\n"
+        "with run_folder.claim_folder(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), "
+        "[]) as begin: begin(); print('in', flush=True); sys.stdin.read()"
     )
     other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE,
                              stdout=subprocess.PIPE)
@@ -150,29 +150,30 @@ def test_what_is_no_folder(tmp_path):
                        st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.integers(),
                                  st.text(max_size=5)), max_size=4))
 def test_equal_parameters_have_equal_identities(parameters):
-    assert results.identity(parameters) == results.identity(dict(reversed(parameters.items())))
-    assert results.differing(parameters, json.loads(json.dumps(parameters))) == ""
+    backwards = dict(reversed(parameters.items()))
+    assert run_folder.identity(parameters) == run_folder.identity(backwards)
+    assert run_folder.differing(parameters, json.loads(json.dumps(parameters))) == ""
 
 
 def test_commit_is_stated_or_asked(monkeypatch):
-    results.commit.cache_clear()
+    run_folder.commit.cache_clear()
     monkeypatch.setenv("YADE_RCR_COMMIT", "abc+")
-    assert results.commit() == "abc+"
-    results.commit.cache_clear()
+    assert run_folder.commit() == "abc+"
+    run_folder.commit.cache_clear()
     monkeypatch.setitem(os.environ, "PATH", "/none")
     monkeypatch.delenv("YADE_RCR_COMMIT")
-    assert results.commit() == "unknown"
-    results.commit.cache_clear()
+    assert run_folder.commit() == "unknown"
+    run_folder.commit.cache_clear()
 
 
 def test_the_commit_of_another_repository_is_not_that_of_the_package(tmp_path):
     """A virtual environment may lie in a clone of another project."""
     site = tmp_path / "venv" / "lib" / "python3" / "site-packages"
-    package = pathlib.Path(results.__file__).parents[1]
+    package = pathlib.Path(run_folder.__file__).parents[1]
     shutil.copytree(package, site / "rcr", ignore=shutil.ignore_patterns("*.so"))
     author = ["-c", "user.name=a", "-c", "user.email=a@b"]
     for words in ["init", "-q"], [*author, "commit", "-q", "--allow-empty", "-m", "other"]:
         subprocess.check_call(["git", "-C", tmp_path, *words])
     variables = {name: value for name, value in os.environ.items() if name != "YADE_RCR_COMMIT"}
-    code = "from rcr._data import results; print(results.commit())"
+    code = "from rcr._data import run_folder; print(run_folder.commit())"
     assert python(code, env=variables | {"PYTHONPATH": str(site)}).stdout == "unknown\n"
