@@ -135,8 +135,8 @@ TABLE = {
     ],
     "delassus/solve_delassus.cpp": [
         ("own-block-counted-twice", ".rowStart[k], diagonal_[k]", ".rowStart[k], diagonal_[k] + 1"),
-        ("relaxed-off-the-cone", "projectCone(p + relaxation * (solved - p), friction)",
-         "p + relaxation * (solved - p)"),
+        ("relaxed-off-the-cone", "projectCone(p + sorRelaxation * (solved - p), friction)",
+         "p + sorRelaxation * (solved - p)"),
         ("without-asymmetry", "g.t += (w.tn - w.nt) * p.n;", ""),
         ("driven-bodies-keep-impulses", "problem.impulse[k] = {};", ";"),
         ("pattern-unchecked", "+ problem.rowStart[j + 1], k))", "+ problem.rowStart[j + 1], j))"),

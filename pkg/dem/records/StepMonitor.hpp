@@ -16,7 +16,7 @@ struct StepOutcome {
 	double residual;
 	bool   missed;         // it did not converge, at a tolerance > 0
 	bool   yielded;
-	double toleranceRatio; // larger ratio of an error to its tolerance; 0 unless missed [-]
+	double toleranceRatio; // max(residual/tolerance, kinematicError/kinematicTolerance) if missed
 };
 
 class StepMonitor {
@@ -45,10 +45,10 @@ public:
 double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 
 /// If a solved velocity is not finite, saves the problem to a file and throws std::runtime_error.
-/// Calls Python (engine/contactDynamicsResults.cpp).
+/// Calls Python, so it takes the GIL (engine/contactDynamicsResults.cpp).
 void checkFinite(const rcr::Step&, long iteration);
 
-/// For unconverged steps with large displacements. Throws std::runtime_error if contacts have added
+/// Call it for unconverged steps with large displacements. Throws std::runtime_error if contacts have added
 /// more energy than T(v⁻) + T(v_free). These are the kinetic energies before the step and at its
 /// end without contacts. Steps with driven bodies are exempt.
 void checkEnergy(const rcr::Step&, long iteration);

@@ -257,7 +257,7 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 		        = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, p.rotation);
 		if (step.overdamped) setUnblockedVelocity(s, step.bodies[id].velocity);
 		if (!step.displacement.empty() && step.bodies[id].free)
-			applyCorrection(s, step.displacement[id]);
+			displace(s, step.displacement[id]);
 		for (int axis = 0; axis < 3; ++axis) {
 			if (!(s.blockedDOFs & State::axisDOF(axis)))
 				s.vel[axis] += scene.dt * (force[axis] / s.mass + newton.gravity[axis]);

@@ -1,4 +1,5 @@
-// Adds contacts of a step that the InteractionLoop has not made.
+// Adds contacts that the InteractionLoop has not made: unlisted ones before the solve, late ones
+// after it.
 #pragma once
 
 #include "dem/transfer/gather.hpp"
@@ -10,11 +11,11 @@ namespace yade {
 void setCoefficients(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2,
         double& friction, double& restitution);
 
-/// Returns true for bodies of which collider, functors and materials of the scene allow a contact.
-/// Throws if no Ig2 functor handles bodies that could overlap.
+/// Returns a filter: true for two bodies whose contact the scene's collider, functors and materials
+/// allow. The filter throws if no Ig2 functor handles bodies that could overlap.
 rcr::ContactFilter contactFilter(Scene&, const validation::Engines&);
 
-/// Detects contacts of bodies that may lack contacts and adds them to the step. So the contacts do
+/// Detects contacts that YADE may not have listed, and adds them to the step. So the contacts do
 /// not depend on the last run of the collider. After a change of PairExclusions, restarts the
 /// collider and validates the scene. `solver`: the engine that solves the step.
 void addUnlistedContacts(Scene&, const validation::Engines&, const Engine& solver, SceneHandles&,

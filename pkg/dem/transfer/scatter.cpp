@@ -161,7 +161,7 @@ void setUnblockedVelocity(State& s, const rcr::PlanarVector& velocity)
 	}
 }
 
-void applyCorrection(State& s, const rcr::PlanarVector& by)
+void displace(State& s, const rcr::PlanarVector& by)
 {
 	s.pos += Vector3r(by.x, by.y, 0);
 	if (by.rotation != 0)
@@ -204,7 +204,7 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::PlanarV
 		if (!handles.state[id] || body.owner != id) return;
 		if (step.overdamped) setUnblockedVelocity(*handles.state[id], body.velocity);
 		if (!step.displacement.empty() && body.free)
-			applyCorrection(*handles.state[id], step.displacement[id]);
+			displace(*handles.state[id], step.displacement[id]);
 	});
 	if (step.problem.stretches()) deformCell(*scene.cell, step.cell, step.strain);
 	requestCollider(scene, team, handles, step);

@@ -9,12 +9,13 @@ namespace yade {
 /// Impulses on clump members count for the clump.
 std::vector<rcr::PlanarVector> contactImpulses(const rcr::Step&);
 
-void setUnblockedVelocity(State&, const rcr::PlanarVector& velocity); // its unblocked components
-void applyCorrection(State&, const rcr::PlanarVector& by);            // displaces a body
+/// Sets the components of the velocity that YADE does not block.
+void setUnblockedVelocity(State&, const rcr::PlanarVector& velocity);
+void displace(State&, const rcr::PlanarVector& by);
 
-/// Writes contact forces, forces on bodies, added contacts, displacements, start velocities of
-/// overdamped bodies, and the stretch of the cell. Requests a run of the collider if bodies leave
-/// their boxes.
+/// Writes contact forces, forces on bodies, added contacts, displacements, the velocities from which
+/// overdamped bodies start the next step, and the stretch of the cell. Requests a run of the
+/// collider if bodies leave their boxes. `impulses`: contactImpulses of the step.
 void scatter(Scene&, rcr::ThreadTeam&, const std::vector<rcr::PlanarVector>& impulses,
         SceneHandles&, rcr::Step&);
 

@@ -100,7 +100,7 @@ namespace {
 		void relaxed()
 		{
 			sweep([](LocalVector p, LocalVector solved, double friction) {
-				return projectCone(p + relaxation * (solved - p), friction);
+				return projectCone(p + sorRelaxation * (solved - p), friction);
 			});
 		}
 

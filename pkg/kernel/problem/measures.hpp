@@ -1,4 +1,5 @@
-// Error measures of a solution, and the sums over contact points that give them (residual.hpp).
+// Errors of a solution, and sums over its contact points. Impulses are per metre of depth, and
+// contact_problem.hpp explains the symbols. residual.hpp computes both.
 #pragma once
 
 namespace rcr {
@@ -8,7 +9,7 @@ struct Errors {
 	///
 	///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
 	///
-	/// It is 0 if and only if the laws hold exactly.
+	/// The denominator has a lower bound (residualFromSums). The residual is 0 if and only if the laws hold exactly.
 	/// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 	double residual = 0;
 
@@ -18,6 +19,7 @@ struct Errors {
 	double kinematicError = 0;
 };
 
+/// Sums over contact points, for the errors and for energy bounds.
 struct Measures {
 	double error2          = 0; // ‖p − P_K(…)‖², the numerator of the residual [(N s)²]
 	double impulse2        = 0; // ‖p‖² [(N s)²]

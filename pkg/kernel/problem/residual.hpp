@@ -9,16 +9,16 @@
 
 namespace rcr {
 
-/// Largest friction coefficient [-], an angle of 89.94°. A point that closes and slips has a
-/// residual of about 1/µ, because µ |u_t| exceeds u_n. For µ > 1e4 it would meet the default
-/// tolerance.
+/// Largest friction coefficient [-], an angle of 89.94°. If a slipping point closes, µ |u_t|
+/// outweighs |u_n|, and the residual is only about 1/µ. For µ > 1e4 such a point would meet the
+/// default tolerance.
 constexpr double maxFriction = 1e3;
 
 /// Errors of the impulses. The velocities u are recomputed from them. Points between two prescribed
 /// bodies (w_nn = 0) do not count.
 Errors errorsOf(const ContactProblem&, double velocityFloor);
 
-/// √(error2 / scale2); NaN if the scale overflows, because the error may be as large.
+/// √(error2 / scale2); NaN if the scale overflows, because the error may have overflowed too.
 inline double relativeRms(double error2, double scale2)
 {
 	if (error2 == 0) return 0;

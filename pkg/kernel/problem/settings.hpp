@@ -12,21 +12,21 @@
 namespace rcr {
 
 struct Settings {
-	double tolerance     = 1e-4; // residual at which to stop [-]; 0 runs all iterations
+	double tolerance     = 1e-4; // residual at which to stop [-]; 0: never
 	int    maxIterations = 1000; // sweeps over all points
 	int    minIterations = 0;    // sweeps before any other criterion may stop the solver
 	int    checkInterval = 10;   // sweeps between two evaluations of the stop criteria
 	int    threads       = 1;
 	int    lanes         = 0; // kernels: scalar (1), AVX2 (4), the processor's widest (8, 0)
-	int    stallSweeps   = 0; // sweeps without a new lowest residual to stop at; 0: never
+	int    stallSweeps   = 0; // stops after so many sweeps without a new lowest residual; 0: never
 
 	/// Kinematic error at which to stop, together with the residual (residual.hpp) [-]. The
 	/// residual weighs errors by forces. Velocity errors at a residual of 1e-4 can be as large as
 	/// the flow. Examples are slow flow, large steps and long particles. Infinity: no test.
 	double kinematicTolerance = 0.01;
 
-	/// Lower bound of the velocity scale of the kinematic error, over the RMS relative velocity
-	/// without contact impulses [-]. It sets the scale at rest.
+	/// Lower bound of the velocity scale of the kinematic error, as a fraction of the RMS relative
+	/// velocity without contact impulses [-]. It sets the scale at rest.
 	double velocityFloor = 0.01;
 
 	/// Rounding error of velocities [m/s]. An island whose RMS error w_nn |p − P_K(…)| is smaller
@@ -54,7 +54,7 @@ struct Settings {
 	Settings (*ofIsland)(const Settings&, int points) = nullptr;
 
 	/// The workspace solved this problem last; only biases and impulses may differ. Its packed data
-	/// are reused, and the problem is not checked. A new workspace loads the problem all the same.
+	/// are reused, and the problem is not checked. A new workspace loads the problem despite this.
 	bool sameProblem = false;
 
 	bool mayYield() const { return yielding.compliance > 0 && !solutionExists; }

@@ -141,7 +141,7 @@ static Report sweepTogether(ContactProblem& problem, const std::string& solver,
         const Settings& settings, Workspace& workspace)
 {
 	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
-	if (solver == "sor") return solveNlgs(problem, settings, workspace, relaxation);
+	if (solver == "sor") return solveNlgs(problem, settings, workspace, sorRelaxation);
 	if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
 		return solveNesterov(problem, settings, workspace);
 	if (solver == "exact" || isFine(problem, settings))

@@ -1,4 +1,4 @@
-// Solvers of the contact problem. All share one signature: settings in, report out.
+// Solvers of the contact problem: settings in, report out.
 //
 // A solver starts from problem.impulse: the warm start, or zeros for a cold start. It writes the
 // solution to problem.impulse and the velocities to problem.velocity. The report holds the errors
@@ -14,25 +14,24 @@ namespace rcr {
 
 struct Report : Errors {
 	int iterations = 0; // of the island that needs most
-	/// Every island has met a stop criterion, or has the residual 0. `solve` revokes this if a
+	/// Every island has met its tolerances or meanForceChange, or has the residual 0. `solve` revokes this if a
 	/// blocked contact closes, or if an island exceeds an energy bound (infeasibility.hpp).
 	bool   converged  = true;
 	bool   yielded    = false; // contacts yielded, or the rigid step was found to be infeasible
 	double dissipated = 0;     // energy dissipated by contacts, −Σ p · (u + b_n n) [J/m]
 	double freeSpeed  = 0;     // RMS relative velocity without contact impulses [m/s]
-	double mass       = 0;     // of the bodies with contacts, without hinged ones [kg]
-	double work       = 0;     // Σ sweeps × points over islands, without sweeps after exact steps
+	double mass       = 0;     // of the bodies with contacts, except hinged ones [kg]
+	double work       = 0;     // Σ sweeps × points over islands, except sweeps after exact steps
 
 	/// ‖Δp‖ over the last probeSweeps sweeps, relative to ‖p‖ [-]; infinity if not measured.
 	double impulseGrowth = std::numeric_limits<double>::infinity();
 
-	std::vector<Report> islands; // of each island, after sweeps
+	std::vector<Report> islands; // of each island
 
 	/// Returns true if the residual meets its tolerance. Tolerance 0 is never met.
 	bool meetsResidual(const Settings& s) const { return s.areMet({ residual, 0 }); }
 
-	/// Returns true if residual and kinematic error meet their tolerances. Only the residual 0
-	/// meets the tolerance 0.
+	/// Returns true if both errors meet their tolerances. The residual 0 meets the tolerance 0.
 	bool meetsTolerances(const Settings& s) const
 	{
 		return s.areMet(*this) || (s.tolerance == 0 && residual == 0);
@@ -67,7 +66,8 @@ class PackedProblem;
 class ThreadTeam;
 
 /// Data that sweep solvers keep between steps: threads, memory, colours and order of the pairs.
-/// Pass the same workspace at every step of a simulation: this saves time and changes no bit.
+/// Pass the same workspace at every step of a simulation: this saves time, and results keep their
+/// bits.
 /// Two threads must not use one workspace at the same time.
 class Workspace {
 public:
@@ -84,21 +84,21 @@ private:
 
 /// Over-relaxation of sor [-]. It saves a third of the sweeps in dense packings. At 1.6 the sweeps
 /// cycle.
-constexpr double relaxation = 1.3;
+constexpr double sorRelaxation = 1.3;
 
 /// Gauss–Seidel: plain (the solver of the paper), or over-relaxed as sor.
 Report solveNlgs(ContactProblem&, const Settings&, Workspace&, double relaxation = 1);
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // momentum and restart
 
-/// Sweeps to a residual of about 1e-5, at which exact steps begin (exact/).
+/// Sweeps to a residual of about 1e-5; exact steps then begin (exact/).
 Report sweepForExactSteps(ContactProblem&, const Settings&, Workspace&);
 
 /// Exact steps reach 1e-8 where sweeps stall. `swept` is the report of the sweeps before. Runs at
 /// most maxIterations further iterations.
 Report solveExact(ContactProblem&, const Settings&, const Report& swept, Workspace&);
 
-/// Solves with yielding contacts (sweep/solve_yielding.cpp). A workspace that holds a problem must
-/// hold this one.
+/// Solves with yielding contacts (sweep/solve_yielding.cpp). The workspace is new or holds this
+/// problem.
 Report solveYielding(ContactProblem&, const Settings&, Workspace&);
 
 /// Runs a solver by name: nlgs, sor, nesterov, exact or auto. Lets contacts yield if required.
@@ -110,18 +110,20 @@ Report solveYielding(ContactProblem&, const Settings&, Workspace&);
 /// it.
 ///
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
-/// tolerance below 1e-6, exact steps follow sweeps to 1e-5. An island of up to 1000 points gets
-/// exact steps after 300 sweeps. An exact iteration counts as 20 sweeps there, or as one if the
-/// residual already meets its tolerance. Such an island is also solved with a velocityFloor smaller
-/// by 1000, at limited cost. `converged` and the kinematic error refer to the given floor. A
-/// stretching cell is swept with momentum, unless nlgs or sor is named.
+/// tolerance below 1e-6, sweeps run to a residual of 1e-5, and exact steps follow. An island of up
+/// to 1000 points gets exact steps after 300 sweeps. An exact iteration of such an island counts as
+/// 20 sweeps, or as one if the residual already meets its tolerance. Such an island is also solved
+/// with a velocityFloor that is 1000 times smaller, at limited cost. `converged` and the kinematic
+/// error refer to the given floor.
+///
+/// A stretching cell is swept with momentum, except by nlgs and sor.
 ///
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.
 Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
 
 /// Sweeps with momentum from the impulses of the problem, with other biases. The workspace must
-/// hold the problem. Keeps its impulses; returns velocities and stretch rate only.
+/// hold the problem, which does not change. Returns velocities and stretch rate only.
 void sweepWithBias(const ContactProblem&, const std::vector<double>& bias, int sweeps,
         std::vector<PlanarVector>& velocity, Vec2& stretchRate, Workspace&);
 

@@ -27,11 +27,12 @@ public:
 	void prepare();
 	/// v ← v_free + M⁻¹Jᵀp, unless v has been recomputed from these impulses.
 	void recomputeVelocities();
-	/// Sweeps of PackedKernels over the pairs with slots, then over the overflow.
-	void   sweep(double relaxation = 1);
+	/// Sweeps over the packed pairs by kernels, then over the pairs without a slot (overflow).
+	void sweep(double relaxation = 1);
+	/// Returns ‖p − y‖², as its kernel.
 	double sweepMomentum(double momentum, const Yielding& = {});
 
-	/// Makes sweeps and `measure` use floats. Does nothing if the island is small, or if its numbers
+	/// Makes sweeps and `measure` use floats. Does nothing if the island is small, or if its values
 	/// or their squares come near the limits of floats.
 	void beginMixedPrecision();
 	/// Returns to doubles: copies the impulses and recomputes the velocities from them.
@@ -48,7 +49,7 @@ public:
 	Measures measure();
 	/// Returns true if contacts have yielded in an earlier pass of the step.
 	bool hasYielded() const { return state_.hasYielded; }
-	/// Mass of the bodies without hinged ones [kg].
+	/// Mass of the bodies, except hinged ones [kg].
 	double mass() const { return state_.mass; }
 	/// Σ |u|² over the points at zero impulses [(m/s)²].
 	double freeVelocity2() const { return state_.freeVelocity2; }
@@ -76,7 +77,7 @@ private:
 		state_.measures.reset();
 	}
 	bool stretches() const { return island_.cell; }
-	/// work(view, kernels) of the numbers that sweeps use: floats or doubles.
+	/// Calls work(view, kernels) with those of the present precision.
 	template <class Work> auto inPrecision(Work work)
 	{
 		return mixedPrecision_ ? work(singleView_, *packed_.singleKernels_)

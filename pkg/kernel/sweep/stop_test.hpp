@@ -5,7 +5,7 @@
 
 namespace rcr {
 
-/// The quantities that may stop the sweeps, as in Report and Settings [-].
+/// Measured values of the quantities that may stop the sweeps [-].
 struct Criteria : Errors {
 	double meanForceChange = std::numeric_limits<double>::infinity();
 
@@ -15,14 +15,14 @@ struct Criteria : Errors {
 	}
 };
 
-/// Counts sweeps. Evaluates the criteria before the first and after every `checkInterval`. Sweeps
-/// must stop if the criteria are met, or after `maxIterations`. They also stop if the residual has
-/// had no new minimum in `stallSweeps` sweeps.
+/// Counts sweeps. From `minIterations` on, it evaluates the criteria every `checkInterval` sweeps.
+/// Sweeps must stop if the criteria are met, or after `maxIterations`. They also stop if the
+/// residual has had no new minimum in `stallSweeps` sweeps.
 class StopTest {
 public:
 	explicit StopTest(const Settings& settings) : settings_(settings) { }
 
-	/// Call before each sweep. Returns true if the sweeps must stop. `measure()` returns the
+	/// Call once before each sweep. Returns true if the sweeps must stop. `measure()` returns the
 	/// criteria. `early`: evaluates them before this sweep too.
 	template <class Measure> bool mustStop(bool early, Measure measure)
 	{

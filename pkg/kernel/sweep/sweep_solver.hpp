@@ -33,7 +33,7 @@ public:
 	}
 
 	/// Call before each sweep. Returns true if the sweeps must stop. An island of one point is
-	/// measured after its first sweep, which solves it.
+	/// measured after its first sweep, which may solve it.
 	bool mustStop()
 	{
 		return stop_.mustStop(
@@ -46,7 +46,7 @@ public:
 private:
 	static Settings settingsFor(const PackedIsland&, const Settings&);
 
-	Criteria measure(); // confirms floats by doubles
+	Criteria measure(); // if floats meet the criteria, measures again in doubles
 
 	PackedIsland& island_;
 	StopTest      stop_;
@@ -57,7 +57,7 @@ private:
 Report reportOf(const std::vector<IslandEnd>&, const Settings&);
 
 /// Loads the problem, calls iterate(island, stop) for each island, and stores the solution. Small
-/// islands are solved in parallel; shared ones follow one by one, each on all threads.
+/// islands are solved in parallel; large ones follow one by one, each on all threads.
 template <class Iterate>
 Report solveBySweeps(
         ContactProblem& problem, const Settings& settings, Workspace& workspace, Iterate iterate)

@@ -18,7 +18,7 @@
 //
 // Columns and records are doubles, or floats about a reference in doubles (packed_island.hpp).
 // Records of floats hold v − v_ref; `bias` holds u_ref,n + b_n, `tangentialBias` u_ref,t. Impulses
-// are whole.
+// are no differences.
 //
 // | symbol | column         | unit | meaning                                                 |
 // |--------|----------------|------|---------------------------------------------------------|
@@ -34,7 +34,7 @@
 // | 1/w_nn | inverseNn      | kg   | 0 in empty slots                                        |
 // | r      | ratio          | –    | w_nt / w_nn                                             |
 // | 1/z    | inverseSchur   | kg   | z = w_tt − w_nt²/w_nn                                   |
-// | d±     | slide…         | –    | µ/(1 ± µ r), largest ±p_t/n₀; unlimited if 1 ± µ r ≤ 0  |
+// | d±     | slide…         | –    | µ/(1 ± µ r), largest ±p_t over p_n of sticking; unlimited if 1 ± µ r ≤ 0  |
 #pragma once
 
 #include <cstdint>
@@ -196,7 +196,7 @@ template <class Real> struct SweepKernels {
 /// All kernels of one lane width.
 struct PackedKernels : SweepKernels<double> {
 	int width;
-	/// Computes lever arms and Delassus coefficients from the raw arms. Returns Σ |u|².
+	/// Computes levers and Delassus coefficients from the arms r/k. Returns Σ |u|².
 	double (*prepare)(const View&, const Chunk&);
 	/// v ← v + M⁻¹Jᵀp
 	void (*apply)(const View&, const Chunk&);
@@ -204,8 +204,8 @@ struct PackedKernels : SweepKernels<double> {
 	void (*updateReference)(const View&, const Chunk&, ColumnOf<float>* points);
 };
 
-/// Scalar (`lanes` = 1) or AVX2 kernels (4), or with 8 and 0 the widest ones; those of AVX-512 have
-/// 16 lanes.
+/// Scalar kernels (`lanes` = 1), AVX2 (4), or the widest of the processor (8, 0). AVX-512 kernels
+/// work on all 16 lanes of a block at once.
 const PackedKernels&       packedKernels(int lanes);
 const SweepKernels<float>& singleKernels(int lanes);
 

@@ -1,7 +1,8 @@
 """Paper against measured: the verdict on each statement of the text. Needs NumPy.
 
-A criterion accepts a value within its tolerance or two standard errors, whichever is wider, and a
-trend beyond two standard errors. Statements without the data they need are not tested.
+Unless its text says otherwise, a criterion accepts a value within its tolerance or two standard
+errors, whichever is wider. A trend counts if it exceeds two standard errors. Statements without the
+data they need are not tested.
 """
 
 import typing

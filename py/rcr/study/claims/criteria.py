@@ -8,7 +8,7 @@ from rcr.study.claims.comparisons import (
     trend)
 from rcr.study.statistics import pearson
 
-LONG = (0.01, 1)  # η of grains that are no discs
+LONG = (0.01, 1)  # range of η of grains that are not discs
 
 # --- strength and compaction ------------------------------------------------------------------
 
