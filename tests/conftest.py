@@ -4,8 +4,6 @@ import importlib.util
 import os
 import pathlib
 
-import pytest
-
 # threads cost more than they give in tiny scenes
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
@@ -28,21 +26,6 @@ if importlib.util.find_spec("hypothesis"):
     hypothesis.settings.register_profile("steady", steady)
     hypothesis.settings.register_profile("long", steady, derandomize=False, max_examples=1000)
     hypothesis.settings.load_profile("steady")
-
-
-SWEEPERS = ["nlgs", "sor", "nesterov"]
-
-
-@pytest.fixture(params=[*SWEEPERS, "exact", "auto"])
-def solver(request):
-    """Name of each solver."""
-    return request.param
-
-
-@pytest.fixture(params=SWEEPERS)
-def sweeper(request):
-    """Name of each solver that only sweeps."""
-    return request.param
 
 
 def pytest_report_header():

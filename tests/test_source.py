@@ -5,6 +5,7 @@ import collections
 import pathlib
 import re
 import shutil
+import sys
 
 import pytest
 from common import ended
@@ -123,3 +124,10 @@ def test_lines_have_at_most_100_columns():
             failed.append(f"{name}:{number}: {columns} columns, {len(wide)} wide lines in all")
     assert total <= SHARE * count
     assert not failed, f"lines over {COLUMNS} columns:\n" + "\n".join(failed)
+
+
+def test_kernel_tests_need_no_fixture_from_outside():
+    """`scripts/check` runs them without tests/conftest.py, which imports YADE."""
+    kernel = ROOT / "tests" / "kernel"
+    ended(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider",
+          f"--confcutdir={kernel}", "--setup-plan", kernel)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from kernel.conftest import solver  # noqa: F401
 from kernel.contact_problems import dense, pile
 from problem_files import npz
 
