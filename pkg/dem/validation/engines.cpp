@@ -58,14 +58,15 @@ std::string readsTooEarly(const SceneQuery& v)
 {
 	const int solver = v.indexOf<ContactDynamics>(), integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = 0; k < integrator; ++k) {
-		const std::string name   = v.engines[k]->getClassName();
-		const bool        servo  = name == "ServoPIDController",
-		           recorder = name == "ForceRecorder" || name == "TorqueRecorder";
-		if (!v.engines[k]->dead && (servo || (recorder && k < solver)))
-			return "the " + name + " stands before "
-			        + (servo ? "the NewtonIntegrator, so it would read"
-			                 : "ContactDynamics, so it would record")
+		const std::string name  = v.engines[k]->getClassName();
+		const auto        error = [&](const char* before, const char* does) {
+			return "the " + name + " stands before " + before + ", so it would " + does
 			        + " forces without those of contacts; put it after the NewtonIntegrator.";
+		};
+		if (v.engines[k]->dead) continue;
+		if (name == "ServoPIDController") return error("the NewtonIntegrator", "read");
+		if (k < solver && (name == "ForceRecorder" || name == "TorqueRecorder"))
+			return error("ContactDynamics", "record");
 	}
 	return {};
 }

@@ -9,7 +9,8 @@ struct Errors {
 	///
 	///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
 	///
-	/// The denominator has a lower bound (residualFromSums). The residual is 0 if and only if the laws hold exactly.
+	/// The denominator has a lower bound (residualFromSums). The residual is 0 if and only if the
+	/// laws hold exactly.
 	/// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 	double residual = 0;
 

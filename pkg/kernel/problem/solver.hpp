@@ -14,8 +14,9 @@ namespace rcr {
 
 struct Report : Errors {
 	int iterations = 0; // of the island that needs most
-	/// Every island has met its tolerances or meanForceChange, or has the residual 0. `solve` revokes this if a
-	/// blocked contact closes, or if an island exceeds an energy bound (infeasibility.hpp).
+	/// Every island has met its tolerances or meanForceChange, or has the residual 0. `solve`
+	/// revokes this if a blocked contact closes, or if an island exceeds an energy bound
+	/// (infeasibility.hpp).
 	bool   converged  = true;
 	bool   yielded    = false; // contacts yielded, or the rigid step was found to be infeasible
 	double dissipated = 0;     // energy dissipated by contacts, −Σ p · (u + b_n n) [J/m]
@@ -67,8 +68,7 @@ class ThreadTeam;
 
 /// Data that sweep solvers keep between steps: threads, memory, colours and order of the pairs.
 /// Pass the same workspace at every step of a simulation: this saves time, and results keep their
-/// bits.
-/// Two threads must not use one workspace at the same time.
+/// bits. Two threads must not use one workspace at the same time.
 class Workspace {
 public:
 	Workspace();

@@ -1,7 +1,5 @@
 #include "step/restitution.hpp"
 
-#include <map>
-
 #include "problem/coulomb.hpp"
 #include "problem/disjoint_sets.hpp"
 
@@ -37,18 +35,20 @@ namespace {
 		return of.plasticLoss / (of.plasticLoss + 1.5 * of.gain);
 	}
 
-	/// Points that bear an impulse in contacts with restitution, by pairs of bodies.
-	std::map<std::pair<int, int>, std::vector<int>> pointsByBodies(const Step& step)
+	/// Points that bear an impulse in contacts with restitution, grouped by pairs of bodies.
+	std::vector<int> pointsByBodies(const Step& step)
 	{
-		std::map<std::pair<int, int>, std::vector<int>> points;
-		for (const StepContact& contact : step.contacts) {
-			if (!(contact.restitution > 0)) continue;
-			for (int k = contact.first; k < contact.first + contact.count; ++k) {
-				const ContactPoint& c = step.problem.points[k];
-				if (step.problem.impulse[k].n > 0)
-					points[std::minmax(c.body1, c.body2)].push_back(k);
-			}
-		}
+		std::vector<int> points;
+		for (const StepContact& contact : step.contacts)
+			if (contact.restitution > 0)
+				for (int k = contact.first; k < contact.first + contact.count; ++k)
+					if (step.problem.impulse[k].n > 0) points.push_back(k);
+		const auto bodies = [&](int k) {
+			const ContactPoint& c = step.problem.points[k];
+			return std::minmax(c.body1, c.body2);
+		};
+		std::stable_sort(points.begin(), points.end(),
+		        [&](int a, int b) { return bodies(a) < bodies(b); });
 		return points;
 	}
 
@@ -56,16 +56,22 @@ namespace {
 
 bool lowerPairRestitution(Step& step)
 {
-	bool changed = false;
-	for (const auto& [bodies, points] : pointsByBodies(step)) {
+	bool                   changed = false;
+	const std::vector<int> points  = pointsByBodies(step);
+	for (auto begin = points.begin(), end = begin; begin != points.end(); begin = end) {
+		const ContactPoint& first = step.problem.points[*begin];
+		end = std::find_if(begin, points.end(), [&](int k) {
+			const ContactPoint& c = step.problem.points[k];
+			return std::minmax(c.body1, c.body2) != std::minmax(first.body1, first.body2);
+		});
 		Energy energy;
-		for (int k : points)
-			add(energy, step, k);
-		for (int k : points) {
-			ContactPoint& c = step.problem.points[k];
+		for (auto k = begin; k != end; ++k)
+			add(energy, step, *k);
+		for (auto k = begin; k != end; ++k) {
+			ContactPoint& c = step.problem.points[*k];
 			if (!(c.bias < 0)) continue; // no restitution
-			const double share = points.size() == 1
-			        ? passiveRestitutionFactor(delassus(step.problem, c), step.problem.impulse[k],
+			const double share = end - begin == 1
+			        ? passiveRestitutionFactor(delassus(step.problem, c), step.problem.impulse[*k],
 			                step.initialVelocity(c), relativeVelocity(step.problem, c), c.bias,
 			                c.friction)
 			        : passiveFactor(energy, 1e-3);

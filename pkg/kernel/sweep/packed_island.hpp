@@ -28,7 +28,7 @@ public:
 	/// v ← v_free + M⁻¹Jᵀp, unless v has been recomputed from these impulses.
 	void recomputeVelocities();
 	/// Sweeps over the packed pairs by kernels, then over the pairs without a slot (overflow).
-	void sweep(double relaxation = 1);
+	void sweep(double relaxation);
 	/// Returns ‖p − y‖², as its kernel.
 	double sweepMomentum(double momentum, const Yielding& = {});
 

@@ -186,6 +186,7 @@ def test_islands_alone_and_together_get_the_same_impulses(solver, tolerance, mak
     for problem, own in zip(parts, parts_of(together, parts)):
         alone = problem.solve(solver, tolerance=tolerance)
         np.testing.assert_array_equal(own["impulse"], alone["impulse"], problem.name)
+        assert alone["converged"] or solver != "auto"
     assert together["converged"] or solver != "auto"
 
 

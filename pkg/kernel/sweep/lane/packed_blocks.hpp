@@ -34,7 +34,9 @@
 // | 1/w_nn | inverseNn      | kg   | 0 in empty slots                                        |
 // | r      | ratio          | –    | w_nt / w_nn                                             |
 // | 1/z    | inverseSchur   | kg   | z = w_tt − w_nt²/w_nn                                   |
-// | d±     | slide…         | –    | µ/(1 ± µ r), largest ±p_t over p_n of sticking; unlimited if 1 ± µ r ≤ 0  |
+// | d±     | slide…         | –    | µ/(1 ± µ r), largest ±p_t/n₀; unlimited if 1 ± µ r ≤ 0  |
+//
+// n₀ is the normal impulse without friction (point_models.hpp).
 #pragma once
 
 #include <cstdint>
