@@ -20,7 +20,7 @@ from rcr.xi_networks import XiNetworks
 
 COLUMNS = "eta points weak_share beta_n c_f_lr c_f_l a_c_weak xi_a_ln".split()
 XI = np.arange(0.05, 6.01, 0.05)  # cutoffs of a_ln [-]
-NEGLIGIBLE = 1e-6  # of the mean force: a point that carries less is no contact
+NEGLIGIBLE = 1e-6  # of the force of its pair: an end that carries less is no point
 
 
 def arguments():
@@ -32,7 +32,7 @@ def arguments():
 
 
 def share_of_first_end(network):
-    """Share of the force at the first end of the shadow, (C,) in [0, 1]; NaN for one point."""
+    """Share of the force at the first end of the shadow, (C,) in (0, 1); NaN for one point."""
     particles, pick = network.particles, network.between_particles
     contacts = {name: column[pick] for name, column in network.contacts.items()}
     tangent = contacts["normal"] @ [[0, 1], [-1, 0]]
@@ -46,8 +46,9 @@ def share_of_first_end(network):
     last = np.minimum(*(c + r for c, r in zip(centre, reach)))
     place = np.sum(contacts["position"] * tangent, 1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.clip((last - place) / (last - first), 0, 1)
-    return np.where(contacts["points"] == 2, share, np.nan)
+        share = (last - place) / (last - first)
+    both = (contacts["points"] == 2) & (NEGLIGIBLE < share) & (share < 1 - NEGLIGIBLE)
+    return np.where(both, share, np.nan)
 
 
 def contacts(network, points):
@@ -68,7 +69,7 @@ def row(runs, points):
     """Row of the table for one elongation."""
     networks = [network for run in runs for network in run.networks]
     columns = np.concatenate([contacts(network, points) for network in networks], axis=1)
-    fn, force, reduced, length, normal_length, theta = columns[:, columns[0] > NEGLIGIBLE]
+    fn, force, reduced, length, normal_length, theta = columns
     eta, xi_networks = runs[0].eta, xi_networks_of(fn, normal_length, theta)
     return dict(eta=eta, points=points, weak_share=(fn < fn.mean()).mean(),
                 beta_n=statistics.power_exponent(fn / fn.mean(), POWER_RANGE)[0],
