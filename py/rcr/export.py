@@ -48,8 +48,10 @@ class VtkSeries:
     """A time series for ParaView: each `save` adds the present scene and updates ``NAME.pvd``.
 
     The names of the files begin with `name`. The folder, made if missing, has the state of the
-    series, so a run continues it after ``O.save`` and ``O.load``. A `save` removes later times from
-    the index. A PyRunner needs no variable:
+    series, so a run continues it after ``O.save`` and ``O.load``. A `save` removes later times and
+    other runs from the index. Runs differ in YADE's ``O.tags['id']``, which has a resolution of one
+    second. Networks have no id and count as one run: give the networks of each run their own folder
+    or name. A PyRunner needs no variable:
 
     ``PyRunner(command="import rcr; rcr.export.VtkSeries('out').save()", iterPeriod=100)``
     """
@@ -64,11 +66,17 @@ class VtkSeries:
 
     def moments(self):
         """Return time [s] and file of each part in the index, [(float, str)], or a ValueError."""
+        return self._read()[1]
+
+    def _read(self):
+        """Return the run of the index, empty if unknown, and its `moments`."""
         if not self.index.exists():
-            return []
+            return "", []
         try:
-            parts = [part.attrib for part in xml.parse(self.index).iter("DataSet")]
-            return [(float(part["timestep"]), part["file"]) for part in parts]
+            root = xml.parse(self.index).getroot()
+            parts = [part.attrib for part in root.iter("DataSet")]
+            moments = [(float(part["timestep"]), part["file"]) for part in parts]
+            return root.get("run", ""), moments
         except (xml.ParseError, KeyError, ValueError) as error:
             given = f"{self.index}: not a series of VtkSeries ({error})"
             raise ValueError(f"{given}; remove it or choose another name") from error
@@ -79,20 +87,24 @@ class VtkSeries:
         if not np.isfinite(frame.time):
             raise ValueError("the network has no attribute `time`, which a series needs")
         os.makedirs(self.folder, exist_ok=True)
-        before = [moment for moment in self.moments() if moment[0] < frame.time]
+        run, moments = self._read()
+        before = [moment for moment in moments if moment[0] < frame.time and run == frame.run]
         number = len({time for time, _ in before})
         files = _write(pathlib.Path(self.folder) / f"{self.name}-{number:06d}", frame)
         rows = []
         for time, file in [*before, *((frame.time, file.name) for file in files)]:
             part = PARTS.index(pathlib.Path(file).stem.rsplit("-", 1)[1])
             rows.append(dict(timestep=repr(time), group="", part=str(part), file=file))
-        _save_index(self.index, "Collection", "0.1", rows)
+        _save_index(self.index, "Collection", "0.1", rows, run=frame.run)
         return self.index
 
 
-def _save_index(path, kind, version, rows):
-    """Write the index of files in ParaView's format `kind`, with the attributes of each file."""
-    root = xml.Element("VTKFile", type=kind, version=version)
+def _save_index(path, kind, version, rows, **more):
+    """Write the index of files in ParaView's format `kind`, with the attributes of each file.
+
+    `more` are attributes of the index, which ParaView ignores.
+    """
+    root = xml.Element("VTKFile", type=kind, version=version, **more)
     block = xml.SubElement(root, kind)
     for row in rows:
         xml.SubElement(block, "DataSet", row)

@@ -60,6 +60,8 @@ class Frame:
         Centre of mass of each grain or its clump at the time of the forces [m].
     change : str
         What a script has changed since the last step, so that `centers` are wrong; empty: nothing.
+    run : str
+        Id of YADE's scene, ``O.tags['id']``, which ``O.save`` keeps; empty if unknown.
     """
 
     grains: dict
@@ -71,6 +73,7 @@ class Frame:
     cell_velocity: np.ndarray = None
     centers: np.ndarray = None
     change: str = ""
+    run: str = ""
 
     @classmethod
     def of(cls, what=None):

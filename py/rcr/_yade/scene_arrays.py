@@ -39,7 +39,7 @@ def read():
     solvers = (e for e in O.engines if isinstance(e, ContactDynamics))
     change = _plugin.change_since_end() or "".join(e._change_since_step() for e in solvers)
     frame = dict(grains=grains, centers=centers, walls=walls, outlines=outlines, time=O.time,
-                 change=change)
+                 change=change, run=O.tags["id"])
     cell = None
     if O.periodic:
         cell = np.array(O.cell.hSize)[:2, :2]

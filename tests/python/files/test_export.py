@@ -1,6 +1,7 @@
 """Files for ParaView, read back: areas, positions, forces, obstacles, series."""
 
 import xml.etree.ElementTree as xml
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -138,6 +139,21 @@ def test_series_grows_and_its_files_are_there(tmp_path):
     for time in (0.4, 0.15, 0.25):  # a run loaded at 0.15 replaces its later files
         VtkSeries(tmp_path / "out").save(scene(time))
     assert [time for time, _ in VtkSeries(tmp_path / "out").moments()[::3]] == [0, 0.1, 0.15, 0.25]
+
+
+def test_a_new_run_starts_a_new_series(tmp_path):
+    """The second run replaces the index of the first, networks that of a scene."""
+    def times(*frames):
+        for frame in frames:
+            series.save(frame)
+        return [time for time, _ in series.moments()[::3]]
+
+    series, network = VtkSeries(tmp_path), packing(0.5)
+    assert times(*(replace(scene(time), run="a") for time in (0.1, 0.2))) == [0.1, 0.2]
+    assert times(replace(scene(0.15), run="b")) == [0.15]
+    assert times(replace(scene(0.25), run="b")) == [0.15, 0.25]
+    network.attributes["time"] = 0.4
+    assert times(network) == [0.4] and times(scene(0.5)) == [0.4, 0.5]
 
 
 def test_a_series_rejects_files_out_of_order(tmp_path):

@@ -244,6 +244,9 @@ def test_series_from_a_pyrunner_survives_save_and_load(tmp_path):
     assert np.diff(times) == pytest.approx(10 * O.dt) and len(times) >= 5
     assert len(moments) == 3 * len(times)
     assert all((out / file).exists() for _, file in moments)
+    O.tags["id"] += "-of-another-run"
+    rcr.export.VtkSeries(out).save()
+    assert {time for time, _ in rcr.export.VtkSeries(out).moments()} == {O.time}
 
 
 # --- networks of any scene
