@@ -287,7 +287,25 @@ def test_defaults_of_a_film_may_be_given(tmp_path):
     assert one.read_bytes() == two.read_bytes()
 
 
+@pytest.mark.parametrize("files, options, says", [
+    ("", {}, "no pictures and no networks"),
+    (".part-1.png .part-1.h5", {}, "no pictures and no networks"),  # of killed processes
+    ("a.h5 1.png", {}, r"networks \(a.h5\) and pictures \(1.png\); expected one kind"),
+    ("1.png", dict(color="speed", contacts=None),
+     "holds pictures, but color and contacts need networks .*give them to rcr.snapshot"),
+    *(("1.png", dict(fps=fps), f"fps = {fps!r}; expected 0.01 to 100 pictures per second")
+      for fps in (0, -1, "10", np.nan, 1e-3)),
+    ("1.png", dict(dpi=np.nan), "dpi = nan; expected 1 to 10000 pixels per inch"),
+])
+def test_which_films_are_refused(tmp_path, files, options, says):
+    for name in files.split():
+        (tmp_path / name).touch()
+    refused(says, rcr.movie, tmp_path, **options)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(files.split())
+
+
 def test_film_of_pictures(tmp_path):
+    (tmp_path / ".part-p8.png").touch()  # of a killed process
     for k in (10, 9):
         plot.snapshot(tmp_path / f"p{k}.png", frame(3), color="black" if k == 9 else "white",
                       legend=False, dpi=30)
@@ -308,7 +326,6 @@ def test_a_film_needs_pictures_of_one_size(tmp_path):
 
 
 def test_a_failed_film_leaves_nothing(tmp_path, monkeypatch):
-    refused("no pictures and no networks", rcr.movie, tmp_path)
     packing(0.5).save(tmp_path / "network.h5")
     monkeypatch.setattr(matplotlib.animation.FFMpegWriter, "isAvailable", lambda: False)
     refused("ffmpeg, which is not installed", rcr.movie, tmp_path, tmp_path / "a.mp4")

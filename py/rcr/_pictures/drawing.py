@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
+from rcr._data import checks
 from rcr._pictures.grain_outlines import polygons
 
 COLUMN, PAGE = 3.4, 7.0  # widths of a figure [in]
@@ -30,6 +31,11 @@ EVEN = 1 + 1e-3  # largest weak force over the mean [-], above rounding and a to
 STRONG, WEAK, MOBILIZED = "black", "#d62728", "#ffd92f"
 TYPES = {"cap-cap": "#1f77b4", "cap-side": "#2ca02c", "side-side": "#d62728"}
 GRAIN, RATTLER, OBSTACLE = "#d9d9d9", "#f5f5f5", "#9c9c9c"
+
+
+def resolution(dpi):
+    """Return the resolution of a picture [pixels per inch], or a ValueError."""
+    return checks.number("dpi", dpi, "1 to 10000 pixels per inch", lambda v: 1 <= v <= 10_000)
 
 
 def page(limits, legend):

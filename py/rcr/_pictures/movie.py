@@ -5,7 +5,9 @@ import re
 
 import numpy as np
 
-from rcr._data.files import atomic_path
+from rcr._data import checks
+from rcr._data.files import PART, atomic_path
+from rcr._pictures.drawing import resolution
 from rcr._pictures.grain_colors import SCALES
 from rcr.frame import Frame
 from rcr.plot import packing
@@ -18,36 +20,32 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
     ----------
     folder : path
         Holds networks (``*.h5``), which are drawn in order of time with one scale of colours, or
-        pictures of `rcr.snapshot` (``*.png``), in order of name. A ValueError reports neither, or
-        pictures of different sizes.
+        pictures of `rcr.snapshot` (``*.png``), in order of name. The film shows all of them: empty
+        the folder before another run. A ValueError reports neither kind, both kinds, or pictures of
+        different sizes.
     path : path, optional
         ``.gif``, or ``.mp4`` and other formats, for which a ValueError says that ffmpeg is missing;
         by default ``movie.gif`` in the folder.
     fps : float
-        Pictures per second.
+        Pictures per second, 0.01 to 100.
     dpi : float
         Pixels per inch; pictures of networks are up to 7 inches wide.
     **options
-        Options of `rcr.plot.packing`, for networks.
+        Options of `rcr.plot.packing`, for networks alone.
     """
     from matplotlib.animation import FFMpegWriter, PillowWriter
     from tqdm import tqdm
 
+    expected = "0.01 to 100 pictures per second"
+    fps, dpi = checks.number("fps", fps, expected, lambda v: 0.01 <= v <= 100), resolution(dpi)
     folder = pathlib.Path(folder)
     path = folder / "movie.gif" if path is None else pathlib.Path(path)
     kind = PillowWriter if path.suffix == ".gif" else FFMpegWriter
     if not kind.isAvailable():
         needed = "this format needs ffmpeg, which is not installed"
         raise ValueError(f"{path}: {needed}; give a name that ends in .gif")
-    found = {suffix: sorted(folder.glob(f"*{suffix}"), key=_natural_order)
-             for suffix in (".h5", ".png")}
-    if found[".h5"]:
-        figure, draw, shots = _networks(found[".h5"], options)
-    elif found[".png"]:
-        figure, draw, shots = _pictures(found[".png"], dpi)
-    else:
-        expected = "*.h5 (Network.save) or *.png (rcr.snapshot)"
-        raise ValueError(f"{folder} holds no pictures and no networks; expected {expected}")
+    networks, pictures = _files(folder, options)
+    figure, draw, shots = _networks(networks, options) if networks else _pictures(pictures, dpi)
     writer = kind(fps=fps)
     with atomic_path(path) as partial:
         writer.setup(figure, partial, dpi)
@@ -56,6 +54,27 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
             writer.grab_frame()
         writer.finish()
     return path
+
+
+def _files(folder, options):
+    """Return the networks and the pictures of a folder; one of the lists is empty.
+
+    A ValueError reports neither, both, or options for pictures.
+    """
+    networks, pictures = (
+        sorted((path for path in folder.glob(f"*{suffix}") if not path.name.startswith(PART)),
+               key=_natural_order) for suffix in (".h5", ".png"))
+    if not networks and not pictures:
+        expected = "*.h5 (Network.save) or *.png (rcr.snapshot)"
+        raise ValueError(f"{folder} holds no pictures and no networks; expected {expected}")
+    if networks and pictures:
+        given = f"networks ({networks[0].name}) and pictures ({pictures[0].name})"
+        todo = "expected one kind: move the other kind to another folder"
+        raise ValueError(f"{folder} holds {given}; {todo}")
+    if pictures and options:
+        given = f"{folder} holds pictures, but {' and '.join(options)} need networks (*.h5)"
+        raise ValueError(f"{given}; expected no options here: give them to rcr.snapshot")
+    return networks, pictures
 
 
 def _natural_order(path):
