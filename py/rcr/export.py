@@ -10,7 +10,8 @@
 ======================  ==========================================================================
 
 Grains of a periodic cell are moved into it. Forces are N per metre of depth, stresses Pa,
-compression positive. A scene needs YADE, a saved network does not.
+compression positive. The mobilization |f_t|/(µ f_n) is NaN if µ is unknown. A scene needs YADE, a
+saved network does not.
 """
 
 import os

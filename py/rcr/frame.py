@@ -174,11 +174,15 @@ class Frame:
         return np.einsum("ca,ca->c", self.contacts["force"], self.contacts["normal"])
 
     def mobilization(self):
-        """Return |f_t|/(µ f_n) of each contact, 0 without force or friction, (C,) [-]."""
+        """Return |f_t|/(µ f_n) of each contact, (C,) [-].
+
+        It is 0 without force or friction and NaN if µ is unknown.
+        """
         normal, n, force = self.normal_force(), self.contacts["normal"], self.contacts["force"]
         tangential = np.abs(force[:, 1] * n[:, 0] - force[:, 0] * n[:, 1])
         limit = self.contacts["friction"] * normal
-        return np.divide(tangential, limit, out=np.zeros_like(limit), where=limit > 0)
+        other = np.where(np.isnan(limit), np.nan, 0.0)
+        return np.divide(tangential, limit, out=other, where=limit > 0)
 
     def per_grain(self, values):
         """Return the sum of contact values (C,) over the contacts of each grain, (N,)."""

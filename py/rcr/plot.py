@@ -52,7 +52,8 @@ def packing(
     contacts : str, optional
         By default contacts are not drawn. Segments join centre, contact and centre; their width
         shows the normal force. Their colour shows the ``force`` (black above the mean, red up to
-        it), the ``type`` (cap-cap, cap-side, side-side) or the ``mobilization`` |f_t|/(µ f_n).
+        it), the ``type`` (cap-cap, cap-side, side-side) or the ``mobilization`` |f_t|/(µ f_n), for
+        which a ValueError reports contacts of unknown µ.
     range : (float, float), optional
         Numbers at the ends of the colour scale; by default the smallest and the largest.
     cmap : str or Colormap, optional
@@ -65,8 +66,7 @@ def packing(
     frame = Frame.of(what)
     if not (len(frame.grains["id"]) or len(frame.walls["id"]) or frame.outlines):
         raise ValueError("the scene holds no Rcr, Sphere, Wall, Box or Facet: nothing to draw")
-    if contacts is not None and contacts not in CONTACTS:
-        raise checks.error("contacts", contacts, f"None, {' or '.join(map(repr, CONTACTS))}")
+    _check_contacts(frame, contacts)
     limits = frame.extent() if limits is None else checks.rectangle("limits", limits)
     legend = ax is None if legend is None else legend
     faces, key = grain_colors(frame, color, range, cmap)
@@ -136,6 +136,17 @@ def _images(frame, at):
         rows.append(inside.all(axis=1).nonzero()[0])
         shifts.append(np.tile(frame.cell @ step, (len(rows[-1]), 1)))
     return np.concatenate(rows), np.concatenate(shifts)
+
+
+def _check_contacts(frame, by):
+    """Raise a ValueError for an unknown name, or for a mobilization that needs an unknown µ."""
+    if by is not None and by not in CONTACTS:
+        raise checks.error("contacts", by, f"None, {' or '.join(map(repr, CONTACTS))}")
+    unknown = np.isnan(frame.contacts["friction"][frame.normal_force() > 0])
+    if by == "mobilization" and unknown.any():
+        given = f"µ is NaN for {unknown.sum()} of {len(unknown)} contacts with a force"
+        todo = "give a network the column friction or the attribute friction, or choose 'force'"
+        raise ValueError(f"{given}; the mobilization needs all of them: {todo}")
 
 
 def _add_contacts(ax, frame, by, unit):

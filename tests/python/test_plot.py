@@ -44,9 +44,9 @@ def contacts(count, **columns):
                 normal=along_x, force=along_x, arm1=along_x, arm2=-along_x) | columns
 
 
-def pressed(count, *forces):
+def pressed(count, *forces, **columns):
     row = frame(count)
-    row.contacts = contacts(len(forces), force=np.outer(forces, [1, 0]))
+    row.contacts = contacts(len(forces), force=np.outer(forces, [1, 0]), **columns)
     return row
 
 
@@ -242,6 +242,8 @@ def test_users_axes_are_kept_and_get_no_legend():
     (frame(3), dict(color="sped"), ValueError, "orientation"),
     (frame(3), dict(color=[1, 2]), ValueError, "each of the 3 grains"),
     (frame(3), dict(contacts="forces"), ValueError, "'force'"),
+    (pressed(3, 1, 1, friction=np.array([np.nan, 1])), dict(contacts="mobilization"), ValueError,
+     "µ is NaN for 1 of 2 contacts with a force; .*the attribute friction, or choose 'force'"),
     (frame(0), {}, ValueError, "nothing to draw"),
     (3, {}, TypeError, "Network"),
 ])

@@ -43,6 +43,7 @@ def test_areas_and_state_come_back(tmp_path):
 
 def test_contacts_are_lines_with_forces(tmp_path):
     network = packing(0.6)
+    network.contacts["friction"][7] = np.nan
     contacts = meshio.read(vtk(tmp_path / "pile.vtm", network)[1])
     lines = contacts.points[contacts.cells_dict["line"]][..., :2]
     assert lines.shape == (2 * len(network.contacts["body1"]), 2, 2)
@@ -56,6 +57,9 @@ def test_contacts_are_lines_with_forces(tmp_path):
     assert data(contacts, "normal_force")[::2] == pytest.approx(normal)
     shear2 = (force**2).sum(axis=1) - normal**2
     assert data(contacts, "shear_force")[::2] ** 2 == pytest.approx(shear2, abs=1e-9)
+    mobilization = np.sqrt(abs(shear2)) / (0.5 * normal)
+    mobilization[7] = np.nan
+    assert data(contacts, "mobilization")[::2] == pytest.approx(mobilization, nan_ok=True)
     assert contacts.point_data["normal_force"] == pytest.approx(np.repeat(normal, 3))
 
 
