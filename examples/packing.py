@@ -17,6 +17,8 @@ from rcr import script
 options = script.options(__doc__)
 pictures = options.out / "film"
 pictures.mkdir(exist_ok=True)
+for earlier in pictures.glob("*.png"):
+    earlier.unlink()  # the film shows every picture of the folder
 
 R = 0.01  # circumscribed radius of the largest grain [m]
 WIDE, HIGH, SECONDS = (5, 10, 0.8) if options.quick else (12, 28, 1.6)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from common import ended
 from forked import program as yade
-from matplotlib.image import imread
+from matplotlib.image import imread, imsave
 from scenes import environment
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -28,6 +28,8 @@ QUICK = ["first_scene"]  # the others take some seconds each
     for path in EXAMPLES])  # fmt: skip
 def test_example(script, tmp_path):
     out = tmp_path / "out"
+    (out / "film").mkdir(parents=True)
+    imsave(out / "film" / "00001.png", np.zeros((9, 9)))  # of an earlier run with other options
     run = yade(tmp_path, "-n", "-x", script, "--quick", "--out", out)
     assert "Traceback" not in run.stdout + run.stderr
     pictures = list(out.glob("*.png"))
