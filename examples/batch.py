@@ -71,7 +71,7 @@ def draw_runs(paths):
     ax = figure.add_subplot()
     for path in paths:
         run = np.genfromtxt(path, names=True)
-        _, e, _, m = path.stem.split("-")
+        e, m = path.stem.removeprefix("eta-").split("-mu-")
         rows.append((float(e), float(m), run["width"][-1] / run["width"][0]))
         ax.plot(run["t"], run["width"] / run["width"][0], label=f"$\\eta$ = {e}, $\\mu$ = {m}")
     ax.set(xlabel="time [s]", ylabel="rms of x over that of the column")

@@ -42,21 +42,22 @@ def test_example(script, tmp_path):
 
 @pytest.mark.slow
 def test_a_batch_gives_the_results_of_single_runs(tmp_path):
-    """Four simultaneous jobs give the results of a single run with default parameters."""
+    """Simultaneous jobs give the results of a single run with default parameters."""
     shutil.copy(FOLDER / "batch.py", tmp_path)
     rows = [(0, 0.2), (0, 0.5), (0.5, 0.2), (0.5, 0.5)]
     lines = [f"{eta:.1f} {mu}" for eta, mu in rows]
     assert (FOLDER / "batch.table").read_text().split("eta mu\n")[1].splitlines() == lines
-    small = ["eta mu wide high seconds", *(f"{line} 3 5 0.3" for line in lines)]
+    rows.append((0.5, 1e-5))
+    small = ["eta mu wide high seconds", *(f"{line} 3 5 0.3" for line in [*lines, "0.5 1e-05"])]
     (tmp_path / "small.table").write_text("\n".join(small) + "\n")
     batch = yade(tmp_path, "-j", 4, "small.table", "batch.py", name="yade-batch")
-    assert batch.stdout.count("(exit status 0)") == 4, batch.stdout + batch.stderr
+    assert batch.stdout.count("(exit status 0)") == 5, batch.stdout + batch.stderr
     yade(tmp_path, "-n", "-x", "batch.py", "--quick", "--out", "single")
     of_batch, single = tmp_path / "out" / "batch", tmp_path / "single"
     name = "eta-0.5-mu-0.5.txt"
     assert (of_batch / name).read_bytes() == (single / name).read_bytes()
     table = np.genfromtxt(of_batch / "batch.csv", delimiter=",", names=True)
-    assert [(row["eta"], row["mu"]) for row in table] == rows and len(set(table["runout"])) == 4
+    assert [(row["eta"], row["mu"]) for row in table] == rows and len(set(table["runout"])) == 5
 
 
 def test_the_regression_example_reports_differences(tmp_path):
