@@ -57,7 +57,7 @@ def packing(
     range : (float, float), optional
         Numbers at the ends of the colour scale; by default the smallest and the largest.
     cmap : str or Colormap, optional
-        Colour map of the grains.
+        Colour map of the grains. A ValueError reports a `range` or `cmap` without a colour scale.
     limits : ((float, float), (float, float)), optional
         Lower left and upper right corner [m]; by default `Frame.extent`.
     legend : bool, optional
@@ -100,6 +100,7 @@ def snapshot(path, what=None, dpi=200, **options):
     dpi : float
         Pixels per inch; a picture is up to 7 inches wide.
     """
+    dpi = drawing.resolution(dpi)
     suffix = os.path.splitext(path)[1].lstrip(".").lower()
     figure = packing(what, **options).figure
     if suffix not in figure.canvas.get_supported_filetypes():

@@ -244,12 +244,20 @@ def test_users_axes_are_kept_and_get_no_legend():
     (frame(3), dict(contacts="forces"), ValueError, "'force'"),
     (pressed(3, 1, 1, friction=np.array([np.nan, 1])), dict(contacts="mobilization"), ValueError,
      "µ is NaN for 1 of 2 contacts with a force; .*the attribute friction, or choose 'force'"),
+    (frame(3), dict(color="speed", cmap="nope"), ValueError,
+     "cmap = 'nope'; expected a Colormap or the name of one, such as 'viridis'"),
+    (frame(3), dict(color="speed", range=(1, 2, 3)), ValueError, r"range has shape \(3,\); expected"),
+    (frame(3), dict(range=(1, 0)), ValueError, r"range = \(1, 0\); expected .*smaller one first"),
+    *((frame(3), dict(color=color, range=(0, 1), cmap="Blues"), ValueError,
+       r"range = \(0, 1\) and cmap = 'Blues', but .* has no scale; expected orientation, speed")
+      for color in ("type", "shape", "red")),
     (frame(0), {}, ValueError, "nothing to draw"),
     (3, {}, TypeError, "Network"),
 ])
 def test_what_is_refused(tmp_path, scene, options, error, says):
     refused(says, plot.packing, scene, error=error, **options)
     refused("picture format", plot.snapshot, tmp_path / "a.xyz", frame(1))
+    refused("dpi = nan; expected 1 to 10000", plot.snapshot, tmp_path / "a.png", frame(1), np.nan)
     assert not list(tmp_path.iterdir())
 
 

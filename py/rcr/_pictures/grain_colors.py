@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import matplotlib
 import numpy as np
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize, is_color_like, to_rgba, to_rgba_array
+from matplotlib.colors import Colormap, Normalize, is_color_like, to_rgba, to_rgba_array
 
+from rcr._data import checks
 from rcr._pictures.drawing import GRAIN
 
 KIND_COLORS = ("#8fb3d9", "#f0c87a", "#9ccf9c", "#a6a6a6")  # of `rcr.frame.KINDS`
@@ -46,15 +47,17 @@ CATEGORIES = dict(type="Rcr, disc, member of a clump",
 def grain_colors(frame, color, range, cmap):
     """Return faces (N, 4) of grains and their key: (mappable, scale), "kinds" or None."""
     count, name = len(frame.grains["id"]), color if isinstance(color, str) else None
-    if name == "shape":
-        return to_rgba_array(frame.grains["color"]), None
-    if name == "type":
-        return to_rgba_array(KIND_COLORS)[frame.kinds()], "kinds"
     if name in SCALES:
         return _of_scale(frame, SCALES[name], range, cmap)
     if not isinstance(color, (str, tuple)) and np.shape(color) == (count,):
         scale = Scale("", lambda frame: np.asarray(color, float))
         return _of_scale(frame, scale, range, cmap)
+    if name in CATEGORIES or is_color_like(color):
+        _check_no_scale(color, dict(range=range, cmap=cmap))
+    if name == "shape":
+        return to_rgba_array(frame.grains["color"]), None
+    if name == "type":
+        return to_rgba_array(KIND_COLORS)[frame.kinds()], "kinds"
     if is_color_like(color):
         return np.tile(to_rgba(color), (count, 1)), None
     given = repr(name) if name else f"an array of the shape {np.shape(color)}"
@@ -63,14 +66,39 @@ def grain_colors(frame, color, range, cmap):
     raise ValueError(f"color = {given}; expected {names}, a colour of Matplotlib, or {numbers}")
 
 
+def _check_no_scale(color, options):
+    """Raise a ValueError if an option of colour scales is given with a colour without one."""
+    given = " and ".join(f"{name} = {value!r}" for name, value in options.items()
+                         if value is not None)
+    if given:
+        expected = f"{', '.join(SCALES)} or a number for each grain, or no such options"
+        raise ValueError(f"{given}, but color = {color!r} has no scale; expected {expected}")
+
+
+def _ends(range):
+    """Return the numbers at the ends of a colour scale."""
+    low, high = checks.array("range", range, (2,))
+    if low > high:
+        raise checks.error("range", range, "the ends of the colour scale, the smaller one first")
+    return low, high
+
+
+def _color_map(cmap):
+    """Return a colour map by its name, or a Colormap itself."""
+    if isinstance(cmap, str) and cmap in matplotlib.colormaps:
+        return matplotlib.colormaps[cmap]
+    if not isinstance(cmap, Colormap):
+        raise checks.error("cmap", cmap, "a Colormap or the name of one, such as 'viridis'")
+    return cmap
+
+
 def _of_scale(frame, scale, range, cmap):
+    given = scale.range if range is None else _ends(range)
+    map_ = _color_map(scale.cmap if cmap is None else cmap)
     values = np.ma.masked_invalid(scale.values(frame))
     shown = values[~frame.grains["fixed"]].compressed()
     if not len(shown):
         return np.tile(to_rgba(GRAIN), (len(values), 1)), None
-    given = scale.range if range is None else range
     low, high = (shown.min(), shown.max()) if given is None else given
-    map_ = cmap or scale.cmap
-    map_ = matplotlib.colormaps[map_] if isinstance(map_, str) else map_
     mappable = ScalarMappable(Normalize(low, high), map_.with_extremes(bad=GRAIN))
     return mappable.to_rgba(values), (mappable, scale)
