@@ -10,17 +10,18 @@ void Ip2_FrictMat_FrictMat_CdPhys::go(const shared_ptr<Material>& material1,
 	const FrictMat& two  = static_cast<const FrictMat&>(*material2);
 	auto            phys = boost::make_shared<CdPhys>();
 
-	const Real angle             = frictAngle
-	                    ? (*frictAngle)(one.id, two.id, one.frictionAngle, two.frictionAngle)
-	                    : math::min(one.frictionAngle, two.frictionAngle);
-	phys->tangensOfFrictionAngle = math::tan(angle);
+	constexpr Real none  = std::numeric_limits<double>::quiet_NaN();
+	const Real     angle = frictAngle
+	            ? (*frictAngle)(one.id, two.id, one.frictionAngle, two.frictionAngle)
+	            : math::min(one.frictionAngle, two.frictionAngle);
+	// checkPhys refuses NaN, outside of the parallel loop
+	phys->tangensOfFrictionAngle = angle >= 0 && angle < 0.5 * Mathr::PI ? math::tan(angle) : none;
 	if (restitution) {
 		// materials have no restitution, of which a MatchMaker could take a mean
-		constexpr Real none = std::numeric_limits<double>::quiet_NaN();
 		try {
 			phys->restitution = (*restitution)(one.id, two.id, none, none);
 		} catch (const std::invalid_argument&) {
-			phys->restitution = none; // checkPhys refuses it outside of the parallel loop
+			phys->restitution = none;
 		}
 	}
 	interaction->phys = phys;

@@ -67,7 +67,7 @@ public:
 		"docs/law.md and docs/solvers.md describe the settings.",
 		((Real,tolerance,1e-4,,"Residual at which the solver stops [-]; 0 runs all iterations."))
 		((Real,kinematicTolerance,0.01,,"Largest :yref:`kinematicError<ContactDynamics.kinematicError>` at which the solver stops [-]; tolerance must be met too. inf switches it off."))
-		((int,maxIterations,1000,,"Sweeps after which a solve stops. Further passes, yielding contacts and squeezed grains may take more."))
+		((int,maxIterations,1000,,"Sweeps that a step may take. Further passes, yielding contacts and squeezed grains may take more."))
 		((std::string,solver,"auto",,""))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)."))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that a step removes, by shifts of at most 1e-4 R [-]. At 0, overlaps of curved paths remain too."))
@@ -112,7 +112,7 @@ public:
 	DECLARE_LOGGER;
 private:
 	// Result of a pass. All outcomes but `consistent` require a further pass.
-	enum class PassOutcome { consistent, contactsAdded, biasChanged };
+	enum class PassOutcome { consistent, contactsAdded, biasChanged, restitutionLowered };
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;
@@ -125,7 +125,7 @@ private:
 	void          solvePass(const rcr::Settings&);
 	StepOutcome   stepOutcome() const;
 	void          monitorStep();
-	PassOutcome   reviewPass(const validation::Engines&, int pass);
+	PassOutcome   reviewPass(const validation::Engines&, int pass, bool mayLower);
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setStartFlow();
 	void          updateMeanStretch();

@@ -10,6 +10,7 @@ constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further
 constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
 // factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
 constexpr int    squeezedEffort   = 10;
+constexpr int    mostIterations   = 100'000'000; // of a solve; no sum of them overflows
 
 std::string ContactDynamics::attributeError() const
 {
@@ -54,7 +55,7 @@ rcr::Settings ContactDynamics::settings(const rcr::YieldBounds& bounds) const
 {
 	rcr::Settings s;
 	s.tolerance          = double(tolerance);
-	s.maxIterations      = maxIterations;
+	s.maxIterations      = std::min(maxIterations, mostIterations);
 	s.kinematicTolerance = double(kinematicTolerance);
 	s.meanForceChange    = double(meanForceChange);
 	s.threads            = solverThreads();

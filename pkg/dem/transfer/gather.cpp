@@ -105,20 +105,15 @@ namespace {
 
 		/// Returns true if a body, enlarged by its alert distance, leaves its box. The collider may
 		/// then not list all its contacts. An example is a velocity set by a script. The box of an
-		/// obstacle has no alert distance. In a periodic cell, boxes move with the cell.
+		/// obstacle has no alert distance. In a sheared cell, it is in unsheared space.
 		bool mayLackContacts(const Body& b, const rcr::StepBody& body) const
 		{
 			if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
-			if (scene_.isPeriodic) {
-				const rcr::Vec2         flow = step_.cell.drift(body.center);
-				const rcr::PlanarVector v = body.velocity - rcr::PlanarVector { flow.x, flow.y, 0 };
-				const double path = body.shape.grain()
-				            ? step_.dt * rcr::maxSpeed(v, body.radius)
-				            : body.alertDistance;
-				return path > double(b.bound->sweepLength);
-			}
 			if (body.shape.grain())
-				return grainLeavesBox(body, b.state->pos, body.velocity, step_.dt, *b.bound);
+				return GrainBoxes(scene_, step_).isLeft(body, b.state->pos, body.velocity, *b.bound);
+			if (scene_.isPeriodic)
+				return body.alertDistance + double((b.state->pos - b.bound->refPos).norm())
+				        > double(b.bound->sweepLength);
 			// reduced by rounding
 			const double margin = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
 			return obstacleLeavesBox(body.shape, body.pose(), margin, *b.bound);
@@ -255,13 +250,26 @@ namespace {
 
 } // namespace
 
-bool grainLeavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr::PlanarVector& v,
-        double dt, const Bound& bound)
+GrainBoxes::GrainBoxes(const Scene& scene, const rcr::Step& step)
+    : cell_(scene.isPeriodic ? scene.cell.get() : nullptr), widening_(boxWidening(scene)),
+      imageSpeed_(cell_ ? step.cell.imageSpeed : 0), dt_(step.dt)
 {
-	const double   extent = b.radius + rcr::alertDistance(b.shape, v, dt);
-	const Vector3r moved  = at - bound.refPos;
-	const double   half   = 0.5 * double(bound.max[0] - bound.min[0]);
-	return std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + extent > half;
+}
+
+bool GrainBoxes::isLeft(const rcr::StepBody& b, const Vector3r& at, const rcr::PlanarVector& v,
+        const Bound& bound) const
+{
+	double   extent = b.radius + rcr::alertDistance(b.shape, v, dt_);
+	Vector3r moved  = at - bound.refPos;
+	if (cell_) {
+		extent += rcr::imageReach(b.shape, imageSpeed_, dt_);
+		moved = cell_->unshearPt(at) - 0.5 * (bound.min + bound.max);
+	}
+	for (int axis : { 0, 1 })
+		if (std::abs(double(moved[axis])) + extent * double(widening_[axis])
+		        > 0.5 * double(bound.max[axis] - bound.min[axis]))
+			return true;
+	return false;
 }
 
 bool obstacleLeavesBox(

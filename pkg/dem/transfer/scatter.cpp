@@ -129,7 +129,8 @@ static void requestCollider(
 	const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() // YADE: 0.5
 	                                     : std::numeric_limits<Real>::infinity();
 	// boxes do not follow images of bodies at rest
-	const double imageStep = largestImageDisplacement(step);
+	const double     imageStep = largestImageDisplacement(step);
+	const GrainBoxes boxes(scene, step);
 	std::atomic<bool> out { false };
 	team.forEach(step.bodies.size(), [&](Body::id_t id) {
 		const Bound* bound = handles.bound[id];
@@ -142,9 +143,9 @@ static void requestCollider(
 		                > double(bound->sweepLength);
 		const bool leaves = imagesLeave || bound->max[0] - bound->min[0] > widest
 		        || (b.shape.grain()
-		                        ? grainLeavesBox(b,
+		                        ? boxes.isLeft(b,
 		                                handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
-		                                step.dt, *bound)
+		                                *bound)
 		                        : rotatesOutOfBox(b, step.bodies[b.owner],
 		                                step.problem.velocity[b.owner], step.dt, *bound));
 		if (leaves) out.store(true, std::memory_order_relaxed);

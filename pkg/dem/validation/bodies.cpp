@@ -241,7 +241,7 @@ void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
 	if (!(friction >= 0 && friction <= rcr::maxFriction))
 		refuse("contact of ", bodyNames({ id1, id2 }), " has the friction coefficient ",
 		        text(friction),
-		        "; expected a friction angle from 0 to below π/2, and a coefficient of at most ",
+		        "; expected a friction angle from 0 to below π/2 [rad], and a coefficient of at most ",
 		        text(rcr::maxFriction),
 		        ". Mend the material or Ip2 functor, then call O.interactions.clear().");
 	if (!(restitution >= 0 && restitution <= 1))

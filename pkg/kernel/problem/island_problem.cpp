@@ -41,7 +41,7 @@ void IslandProblem::store(ContactProblem& whole) const
 		whole.impulse[points_[k]] = problem.impulse[k];
 	for (std::size_t k = 0; k < bodies_.size(); ++k) {
 		whole.velocity[bodies_[k]] = problem.velocity[k];
-		if (!whole.yielded.empty() && problem.yielded[k]) whole.yielded[bodies_[k]] = true;
+		if (!whole.yielded.empty()) whole.yielded[bodies_[k]] = problem.yielded[k];
 	}
 	if (problem.stretches()) whole.setStretchRate(problem.stretchRate);
 }

@@ -256,7 +256,10 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	                || closesBlockedContact(problem,
 	                        std::max(settings.roundingVelocity, 1e-12 * drivenSpeed(problem)))))
 		rigid.converged = false;
-	if (rigid.converged) return rigid;
+	if (rigid.converged) {
+		std::fill(problem.yielded.begin(), problem.yielded.end(), false);
+		return rigid;
+	}
 	std::vector<std::int32_t> points(problem.points.size());
 	std::iota(points.begin(), points.end(), 0);
 	if (!hasPositiveCost(problem, points.begin(), points.end())) return rigid;

@@ -119,6 +119,15 @@ def test_only_the_island_that_has_yielded_yields_again(solver):
     assert abs(parts_of(all_yielded, (jam, heap))[1]["impulse"] - alone["impulse"]).max() > 0
 
 
+def test_an_island_that_is_solved_as_rigid_no_longer_counts_as_yielded(solver):
+    problem = problem_of("vice and a body that falls", [STILL, FREE, STILL, STILL, FREE],
+                         [[1, 0, 0], STILL, [-1, 0, 0], STILL, [0, -1, 0]],
+                         [[0, 1], [1, 2], [3, 4]], normal=[(1, 0), (1, 0), (0, 1)])
+    problem["yielded"] = problem["inverse_mass"].any(1).astype(float)
+    found = problem.solve(solver, yield_compliance=COMPLIANCE)
+    assert found["yielded_bodies"] == [False, True, False, False, False]
+
+
 def test_bits_do_not_depend_on_lanes_and_threads():
     assert_lanes_and_threads_change_no_bit(wedge(), "auto", yield_compliance=COMPLIANCE)
 

@@ -143,6 +143,14 @@ def test_all_passes_of_a_squeeze_have_ten_times_the_sweeps():
     assert taken[1.9] == 10 * taken[2.1]
 
 
+def test_a_squeeze_takes_the_largest_number_of_sweeps():
+    smooth = material(0)
+    weightless(*(rcr.disc((x, 0), 0.01, material=smooth) for x in (0, 0.019)),
+               maxIterations=2**31 - 1)
+    steps(3)
+    assert solver().missedSteps == 0 and solver().deepestOverlap > 0.02
+
+
 def test_yielding_contacts_push_no_bodies_that_do_not_meet():
     """Two discs approach each other by 0.3 mm across a gap of 0.9 mm, far from a squeeze."""
     squeezed(((5, 0), (0, 0)), ((5.2009, 0), (-0.3, 0)))

@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import (G, LAWS, build, grain_on_floor, material, set_state, solver, springy, stadium,
-                    steps, velocity, walls, weightless)
+from scenes import (G, LAWS, build, grain_on_floor, kinetic, material, set_state, solver, springy,
+                    stadium, steps, velocity, walls, weightless)
 from yade import O, utils
+from yade.wrapper import MatchMaker
 
 
 def run(count):
@@ -189,6 +190,33 @@ def test_a_cloud_gains_nothing_in_a_step(restitution, friction):
             kinetic.append(utils.kineticEnergy())
         gained.append(max(np.diff(kinetic) / kinetic[:-1]))
     assert max(gained) < 1e-5
+
+
+@pytest.mark.parametrize("options", [{}, dict(tolerance=1e-8), dict(maxIterations=20000)])
+def test_a_jam_leaves_the_impact_of_its_bodies_and_of_others_alone(options):
+    """A jammed disc is hit along the walls, e = 0.5. Rods hit a floor elsewhere, e = 1."""
+    R, rough, smooth = 0.01, material(0.5), material(0)
+    angles, slips = np.radians(np.linspace(10, 80, 8)), (-4, -2, -1, -0.5, 0.5, 1, 2, 4)
+    rods = [stadium(0.9 * R, 0.1 * R, (4 * R * (8 * j + k), (0.1 + 0.9 * math.sin(angle)) * R),
+                    angle, material=rough) for j, angle in enumerate(angles) for k in range(8)]
+    low, high = (rcr.segment((-1.05, y), (-0.95, y), material=smooth) for y in (1, 1 + 2 * R))
+    hit, striker = (rcr.disc((-1 - x, 1 + R), R, material=smooth) for x in (0, 2 * R + 1e-5))
+    ids = weightless(rcr.wall("y", 0, material=rough), *rods, low, high, hit, striker,
+                     **dict(dict(tolerance=1e-4), **options))
+    O.materials.append([rough, smooth])
+    O.engines[2].physDispatcher.functors[0].restitution = MatchMaker(
+        matches=((rough.id, rough.id, 1), (smooth.id, smooth.id, 0.5)), algo="val", val=0)
+    set_state(ids[-3], vel=(0, -0.01, 0))
+    set_state(ids[-1], vel=(0.3, 0, 0))
+    for k, rod in enumerate(ids[1:-4]):
+        set_state(rod, vel=(10 * R * slips[k % 8], -10 * R, 0))
+    before = [kinetic([O.bodies[k]]) for k in ids[1:-4]]
+    O.step()
+    assert solver().yielded
+    gains = np.array([kinetic([O.bodies[k]]) for k in ids[1:-4]]) / before - 1
+    assert max(gains) < 1e-3
+    hit, striker = (O.bodies[k].state.vel[0] for k in ids[-2:])
+    assert hit - striker == pytest.approx(0.15, rel=0.05)
 
 
 def test_shear_between_driven_walls():

@@ -222,6 +222,26 @@ def test_a_velocity_set_between_steps_meets_far_contacts(settled, gradient):
     assert O.bodies[other].state.vel[0] == pytest.approx(20, abs=0.5)
 
 
+@pytest.mark.parametrize("shear, gap, speed, drifted", [
+    (0, 0.4, 0.09, 60), (0.5, 0.24, 0.07, 55), (0.5, 0.26, 0.08, 55),
+])
+def test_a_body_that_has_drifted_in_its_box_meets_contacts(shear, gap, speed, drifted):
+    """Discs drift and then approach each other by ±`speed` R a step; gaps are in R."""
+    R, m = 0.01, material(0)
+    along = np.array([1, -shear]) / math.hypot(1, shear)
+    drift = 0.002 * (along if shear == 0 else np.array([-along[1], along[0]]))
+    at = np.outer([-1, 1], (1 + gap / 2) * R * along) + [0.15, 0.1]
+    scene("rigid", *(rcr.particle(tuple(x), R, 0, material=m) for x in at), size=0.2)
+    O.cell.hSize = Matrix3(0.2, 0.2 * shear, 0, 0, 0.2, 0, 0, 0, 0.2)
+    collider = next(e for e in O.engines if isinstance(e, InsertionSortCollider))
+    collider.verletDist = 0.1 * R
+    for count, closing in ((6, 0), (drifted, 0 if shear else 0.002), (4, speed)):
+        for sign, body in zip((1, -1), O.bodies):
+            body.state.vel = (*R / O.dt * (sign * closing * along + (drift if shear else 0)), 0)
+        steps(count)
+    assert solver().deepestOverlap < 1e-3
+
+
 def pressed_row(size):
     """Ten discs of R = 0.1 that fill the cell along x, which a stress presses."""
     pressed(*[rcr.disc((size / 10 * (k + 0.5), 1), 0.1, material=material()) for k in range(10)],

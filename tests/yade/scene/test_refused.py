@@ -193,7 +193,7 @@ RIGID = [  # under the rigid law
        "contact of bodies #0 and #1 has the restitution .*; expected 0 to 1")
       for e in (-0.1, 1.1, NAN)),
     *((lambda angle=angle: prescribe("frictAngle", angle), UNFIT + "from 0 to below π/2")
-      for angle in (-0.1, 1.6, NAN)),
+      for angle in (-0.1, 1.6, NAN, 3.2, 20)),
     # bodies
     (lambda: setattr(O.bodies[1].material, "frictionAngle", math.pi / 2),
      "has the friction angle 1.57.*; expected radians from 0 to below π/2"),
