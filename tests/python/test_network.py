@@ -94,6 +94,16 @@ def test_contacts_of_a_clump_are_counted_together():
     assert joined.coordination() == 2 and list(joined.grain_coordination()) == [2, 2, 2, 2]
 
 
+def test_hooked_clumps_are_a_network():
+    """Clumps 7 and 8 pull: the centre of each is beyond the member of the other."""
+    test = of_pairs((0, 1))
+    hooked = dict(clump=np.array([7, 8]), position=np.array([[0, 0], [2, 0]]),
+                  center=np.array([[3, 0], [-1, 0]]))
+    contacts = test.contacts | dict(branch=np.array([[-4.0, 0]]))
+    hooks = Network(test.particles | hooked, contacts, test.attributes)
+    assert hooks.stress()[0, 0] < 0
+
+
 def test_force_pdf_is_a_density():
     """∫ pdf df = 1 and ∫ f pdf df = 1; 50 classes over 1e4 have an error of 10 % each."""
     f, pdf = random_network(20_000).force_pdf()
@@ -148,6 +158,9 @@ def test_file_round_trip(tmp_path):
     ("contacts/normal", lambda c: c.astype("S5"), "contacts/normal does not hold numbers, but"),
     ("contacts/force", lambda c: c + 1j, "contacts/force does not hold numbers, but complex ones"),
     ("contacts/force", lambda c: -c, "the mean normal force is -.*; expected > 0"),
+    *((f"contacts/{name}", lambda c: -c, "distance of grains along contacts/normal is -.*; "
+       "expected > 0: branch and normal point from body 1 to body 2")
+      for name in ("branch", "normal and contacts/force")),
     ("contacts/force", put((0, 1), np.inf), "contacts/force holds a number that is not finite"),
     ("contacts/force", lambda c: 1.0, r"contacts/force has shape \(\)"),
     ("contacts/force", lambda c: c[:, :1], r"has shape \(500, 1\); expected \(500, 2\)"),
@@ -172,8 +185,8 @@ def test_files_without_meaning_are_refused(tmp_path, name, change, says):
     with h5py.File(path, "r+") as file:
         if name == "attribute":
             file.attrs[change[0]] = change[1]
-        else:
-            replace(name, change)(file) if change else file.pop(name)
+        for column in name.split(" and ") if name != "attribute" else ():
+            replace(column, change)(file) if change else file.pop(column)
     error = refused(says, Network.load, path)
     assert str(path) in error and "\n" not in error
 

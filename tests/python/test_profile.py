@@ -26,7 +26,8 @@ def scene(seed, count=30, cell=None):
         velocity=rng.normal(0, 1, (count, 3)))
     one = rng.integers(0, count, 3 * count)
     two = (one + rng.integers(1, count, 3 * count)) % count
-    angle = rng.uniform(0, 2 * np.pi, 3 * count)
+    x, y = (grains["position"][two] - grains["position"][one]).T
+    angle = np.arctan2(y, x) + rng.uniform(-1, 1, 3 * count)  # from body 1 to body 2
     n = np.column_stack([np.cos(angle), np.sin(angle)])
     t = np.column_stack([-n[:, 1], n[:, 0]])
     wall = rng.random(3 * count) < 0.2

@@ -78,11 +78,28 @@ def check_meaning(particles, contacts, attributes):
     if len(length) and not normal_force.mean() > 0:
         given = f"the mean normal force is {normal_force.mean():g}"
         raise ValueError(f"{given}; expected > 0, compression")
+    distance = _distances_along_normals(particles, contacts)
+    if len(distance) and not distance.mean() > 0:
+        given = f"the mean distance of grains along contacts/normal is {distance.mean():g}"
+        raise ValueError(f"{given}; expected > 0: branch and normal point from body 1 to body 2")
     ranges = dict(strain=("a finite number", math.isfinite),
                   eta=("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
                   friction=("a finite coefficient ≥ 0", lambda v: 0 <= v < math.inf))
     for name in ranges.keys() & attributes.keys():
         checks.number(f"the attribute {name}", attributes[name], *ranges[name])
+
+
+def _distances_along_normals(particles, contacts):
+    """Return the distance of centres along the normal of each contact between grains [m].
+
+    It is positive between convex grains. Branch vectors of clumps, which may be hooked into each
+    other, are replaced by those of their members.
+    """
+    inner = contacts["body2"] >= 0
+    one, two = (rows(particles["id"], contacts[body][inner]) for body in ("body1", "body2"))
+    from_center = particles["position"] - particles["center"]
+    branch = contacts["branch"][inner] + from_center[two] - from_center[one]
+    return np.einsum("ca,ca->c", branch, contacts["normal"][inner])
 
 
 def _of_grains(p):
