@@ -87,7 +87,7 @@ def packing(
 def snapshot(path, what=None, dpi=200, **options):
     """Save a picture of the present scene, without a window; return its path.
 
-    A PyRunner with this command makes the pictures of an `rcr.movie`:
+    A PyRunner with this command makes the pictures of an `rcr.movie`, in a folder empty at first:
     ``rcr.snapshot(f'out/{O.iter:08d}.png', limits=((0, 0), (1, 1)))``.
 
     Parameters
@@ -98,7 +98,7 @@ def snapshot(path, what=None, dpi=200, **options):
     what, **options
         Arguments of `packing`.
     dpi : float
-        Pixels per inch; a picture is up to 7 inches wide.
+        Pixels per inch, 1 to 10000; a picture is up to 7 inches wide.
     """
     dpi = drawing.resolution(dpi)
     suffix = os.path.splitext(path)[1].lstrip(".").lower()

@@ -246,7 +246,7 @@ def test_users_axes_are_kept_and_get_no_legend():
      "µ is NaN for 1 of 2 contacts with a force; .*the attribute friction, or choose 'force'"),
     (frame(3), dict(color="speed", cmap="nope"), ValueError,
      "cmap = 'nope'; expected a Colormap or the name of one, such as 'viridis'"),
-    (frame(3), dict(color="speed", range=(1, 2, 3)), ValueError, r"range has shape \(3,\); expected"),
+    (frame(3), dict(range=(1, 2, 3)), ValueError, r"range has shape \(3,\); expected \(2,\)"),
     (frame(3), dict(range=(1, 0)), ValueError, r"range = \(1, 0\); expected .*smaller one first"),
     *((frame(3), dict(color=color, range=(0, 1), cmap="Blues"), ValueError,
        r"range = \(0, 1\) and cmap = 'Blues', but .* has no scale; expected orientation, speed")

@@ -29,7 +29,7 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
     fps : float
         Pictures per second, 0.01 to 100.
     dpi : float
-        Pixels per inch; pictures of networks are up to 7 inches wide.
+        Pixels per inch, 1 to 10000; pictures of networks are up to 7 inches wide.
     **options
         Options of `rcr.plot.packing`, for networks alone.
     """
