@@ -465,6 +465,20 @@ def test_major_stress_may_be_along_either_axis(tmp_path):
     assert sin_phi == pytest.approx(0.45, abs=0.01)
 
 
+def test_the_critical_state_decides_along_which_axis_the_major_stress_is(tmp_path):
+    """Before it, σ_x is 9 times σ_y. Walls of an oblique test do not bear the principal stresses."""
+    folder = write_run(tmp_path / "run", 0.5)
+    header, *lines = (folder / "history.csv").read_text().splitlines()
+    early = [f"{line.split(',')[0]},9,1" for line in lines[:40]]
+    (folder / "history.csv").write_text("\n".join([header, *early, *lines[40:]]))
+    assert (analysis.sin_phi(Run.read(folder).critical_stresses()) > 0.4).all()
+    oblique = write_run(tmp_path / "oblique", 0.5, axis=np.pi / 3)
+    refused("oblique/history.csv has the stresses along x and y; .* at (59|60|61)° to x; expected "
+            "at most 20° to x or y: remove history.csv to take", Run.read, oblique)
+    (oblique / "history.csv").unlink()
+    assert Run.read(oblique).history is None
+
+
 def test_the_network_at_the_edge_of_the_window_counts(tmp_path):
     """It is saved within half a record of its strain."""
     run = Run.read(write_run(tmp_path / "run", 0.5, strains=(0.1, 0.1996, 0.3, 0.4)))

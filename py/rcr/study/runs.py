@@ -19,6 +19,7 @@ from rcr.study.protocol import HALF_RECORD, critical_start, is_critical
 _TWO_RUNS = "the folder mixes two runs; remove the files of one"
 _HISTORY = "strain", "stress_x", "stress_y"
 _YIELDED = "yielded_steps"
+_MOST_OBLIQUE = 20  # angle of the axis of σ₁ to x or y, at most [°]: sin φ of the walls is 23 % less
 _FREE = "seed", "threads", "strain", "networks", "include_yielded"  # may differ between seeds
 
 
@@ -41,7 +42,7 @@ class Run:
     from_strain: float  # start of the critical state [-]
     to_strain: float = np.inf  # its end [-]
     isotropic: Network = None  # end of the compaction
-    history: dict = None  # records of the shear: strain [-], stress_x and stress_y of walls [Pa]
+    history: dict = None  # records of the shear: strain [-], σ₂ stress_x, σ₁ stress_y [Pa]
     record: dict = None  # contents of run.json, with the parameters
     summary: dict = None  # contents of summary.json of a complete run
     yielded: Yielded = None  # None if the history does not count the steps without a solution
@@ -87,10 +88,16 @@ class Run:
             raise ValueError(f"{self.folder} has no network at a strain {window}; "
                              f"they are at {first:.4f} to {last:.4f}")
         self.networks = critical
-        self._check_history()
-        if self.history is None or _YIELDED not in self.history:
+        if self.history is None:
             return
-        steps = self.history.pop(_YIELDED)
+        self._check_history()
+        if _YIELDED in self.history:
+            self._select_solved(window, include_yielded)
+        self._align_history()
+
+    def _select_solved(self, window, include_yielded):
+        """Count the steps without a solution; leave out their records and networks."""
+        steps, critical = self.history.pop(_YIELDED), self.networks
         late = steps[self.is_critical(self.history["strain"])]
         marked = self.history["strain"][steps > 0]
         valid = [n for n in critical if not np.isclose(marked, _strain(n), 0, 1e-9).any()]
@@ -108,14 +115,30 @@ class Run:
 
     def _check_history(self):
         """Raise ValueError if the history ends before the networks of the critical state."""
-        if self.history is None:
-            return
         end, last = self.history["strain"][-1], _strain(self.networks[-1])
         if end < last - HALF_RECORD or not self.is_critical(self.history["strain"]).any():
             raise ValueError(
                 f"{self.folder / 'history.csv'} ends at a strain of {end:.4f} and the networks at "
                 f"{last:.4f}; expected records up to there: write it again with scripts/biaxial.py "
                 "--resume, or remove it to take sin φ from the networks")
+
+    def _align_history(self):
+        """Exchange the columns of the history if σ₁ is along x, so that stress_y holds σ₁.
+
+        A ValueError says that σ₁ of the networks is along neither axis.
+        """
+        stress = np.sum([network.stress() for network in self.networks], axis=0)
+        shear, difference = stress[0, 1] + stress[1, 0], stress[0, 0] - stress[1, 1]
+        angle = 0.5 * np.degrees(np.arctan2(shear, difference)) % 180
+        if _MOST_OBLIQUE < angle % 90 < 90 - _MOST_OBLIQUE:
+            raise ValueError(
+                f"{self.folder / 'history.csv'} has the stresses along x and y; the axis of σ₁ of "
+                f"the networks is at {angle:.0f}° to x; expected at most {_MOST_OBLIQUE}° to x or "
+                "y: remove history.csv to take sin φ from the networks")
+        x, y = self.history["stress_x"], self.history["stress_y"]
+        late = self.is_critical(self.history["strain"])
+        if x[late].mean() > y[late].mean():
+            self.history |= dict(stress_x=y, stress_y=x)
 
     def is_critical(self, strain):
         """Return whether a strain, or each of an array, belongs to the critical state."""
@@ -124,7 +147,7 @@ class Run:
     def critical_stresses(self):
         """Return σ₂ and σ₁ of the records in the critical state, (rows, 2) [Pa].
 
-        They are σ_x and σ_y of the walls, or those of the networks without a history.
+        They are those of the walls, or without a history those of the networks.
         """
         if self.history is None:
             return np.array([network.principal_stresses() for network in self.networks])
@@ -191,7 +214,7 @@ def _check_network(path, network, record):
 
 
 def _history(path):
-    """Return columns of history.csv, None if there is no such file; stress_y holds σ₁."""
+    """Return columns of history.csv, None if there is no such file."""
     if not path.exists():
         return None
     with files.reading(path, "a history"):
@@ -204,8 +227,6 @@ def _history(path):
         checks.require(rises, "the strain", history["strain"], "more than in the record before")
         pressure = history["stress_x"] + history["stress_y"]
         checks.require(pressure > 0, "stress_x + stress_y", pressure, "> 0, compression positive")
-        if history["stress_x"].mean() > history["stress_y"].mean():  # σ₁ is along x
-            history["stress_x"], history["stress_y"] = history["stress_y"], history["stress_x"]
         return history
 
 
