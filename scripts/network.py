@@ -45,12 +45,12 @@ def main():
     names = ("from_strain", "to_strain", "include_yielded")
     selection = {name: getattr(options, name) for name in names}
     runs = [Run.read(folder, **selection) for folder in options.folders]
-    by_elongation(runs)  # raises if they do not belong together
     for run in runs:
         if run.record and run.summary is None:
             last, end = run.networks[-1].attributes["strain"], run.record["parameters"]["strain"]
             print(f"network.py: the run in {run.folder} is not complete: its last network is at a "
                   f"strain of {last:.4f}, its end at {end:g}", file=sys.stderr)
+    by_elongation(runs)  # raises if they do not belong together
     sources = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
                for run in runs]
     parameters = dict(selection, runs=sources)

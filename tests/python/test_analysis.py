@@ -314,6 +314,14 @@ def test_tiny_packings_are_analysed(particles, contacts, change):
                     if row.verdict != claims.NOT_TESTED and "nan" in row.value + row.error]
 
 
+def record_of(folder, eta=0.5, **parameters):
+    """The run of a folder with these parameters in run.json."""
+    run = dict(program="biaxial.py", run=json.dumps(parameters),
+               parameters=dict(eta=eta, **parameters))
+    (folder / "run.json").write_text(json.dumps(run))
+    return Run.read(folder)
+
+
 def test_runs_that_are_no_seeds_are_refused(tmp_path):
     """A run given twice, other parameters than the seed, networks of two runs in a folder."""
     folders = [write_run(tmp_path / name, 0.5, seed, strains=(0.1, 0.2))
@@ -321,23 +329,33 @@ def test_runs_that_are_no_seeds_are_refused(tmp_path):
     (tmp_path / "link").symlink_to("a")
     for again in (folders[0], tmp_path / "link", tmp_path / "b" / ".." / "a"):
         refused("is given twice", analysis.analyse, [Run.read(folders[0]), Run.read(again)])
-
-    def record(folder, **parameters):
-        run = dict(program="biaxial.py", run=json.dumps(parameters),
-                   parameters=dict(eta=0.5, **parameters))
-        (folder / "run.json").write_text(json.dumps(run))
-        return Run.read(folder)
-
-    first = record(folders[0], tolerance=1e-4)
-    analysis.analyse([first, record(folders[1], tolerance=1e-4, threads=2)])
+    first = record_of(folders[0], tolerance=1e-4)
+    analysis.analyse([first, record_of(folders[1], tolerance=1e-4, threads=2)])
     refused(r"a has tolerance = 0.0001 \(.*b 0.001\); expected runs that differ in their seed",
-            analysis.analyse, [first, record(folders[1], tolerance=1e-3)])
-    refused("hold the same run", analysis.analyse, [first, record(folders[1], tolerance=1e-4)])
+            analysis.analyse, [first, record_of(folders[1], tolerance=1e-3)])
+    refused("hold the same run", analysis.analyse, [first, record_of(folders[1], tolerance=1e-4)])
     text = (folders[1] / "run.json").read_text()
     (folders[1] / "run.json").write_text(text.replace('"eta": 0.5', '"eta": 0.4'))
     refused("has eta = 0.5, .*run.json 0.4: the folder mixes two runs", Run.read, folders[1])
     copies = [Run.read(write_run(tmp_path / name, 0.5, 1, (0.1, 0.2))) for name in "cd"]
     refused("d and .*c hold networks of the same packing", analysis.analyse, copies)
+
+
+def test_elongations_measured_in_different_ways_are_refused(tmp_path):
+    """A trend needs the same law, rate and window; size, end and cap of sweeps may differ."""
+    disc, grain = (write_run(tmp_path / name, eta, particles_=20, contacts=200)
+                   for name, eta in (("disc", 0), ("grain", 0.5)))
+    first = record_of(disc, 0, law="cd", iterations=300, particles=13000, threads=1, strain=0.4)
+    for name, value in dict(law="smooth", inertial_number=1e-3, tolerance=1e-2).items():
+        refused(f"disc has {name} = .* \\(.*grain {value}\\); expected tests that differ in",
+                analysis.analyse, [first, record_of(grain, **dict(law="cd") | {name: value})])
+    same = record_of(grain, law="cd", iterations=9, particles=20, threads=2, strain=0.5)
+    analysis.analyse([first, same])
+    own = write_run(tmp_path / "own", 0.5, strains=(0.1, 0.29, 0.39), contacts=200)
+    analysis.analyse([first, Run.read(own)])  # networks of a user, saved at about the same strains
+    shorter = Run.read(own, to_strain=0.29)
+    refused("disc and .*own have averages over strains of 0.2 to 0.4 and 0.145 to 0.29; give both "
+            "--from-strain and --to-strain", analysis.analyse, [first, shorter])
 
 
 def test_mixed_networks_are_refused(tmp_path):
