@@ -139,6 +139,7 @@ class Network:
 
     def stress_axes(self):
         """Return the principal axes of the stress as columns, that of σ₁ first, (2, 2) [-]."""
+        self._check_loaded()
         moments = self._moments()
         return np.linalg.eigh(0.5 * (moments + moments.T))[1][:, ::-1]
 
@@ -154,8 +155,14 @@ class Network:
 
     def sin_phi(self):
         """Return q/p of the stress of all contacts [-]."""
+        self._check_loaded()
         moments = self._moments()
         return sin_phi(np.linalg.eigvalsh(0.5 * (moments + moments.T)))
+
+    def _check_loaded(self):
+        """Raise ValueError for a network without contacts, whose stress is zero."""
+        if not len(self.contacts["body1"]):
+            raise ValueError("the network has no contact; its stress has no principal axes")
 
     def local_components(self):
         """Return n, t, and (n, t) components of branch and force between grains, (C, 2) each."""

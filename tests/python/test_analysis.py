@@ -231,14 +231,26 @@ def test_bad_runs_are_refused(tmp_path):
         bare.save(tmp_path / folder / file)
         refused(f"{file} is a network without the attribute {name}", Run.read, tmp_path / folder)
     wrong = packing(0.5)
-    wrong.attributes["eta"] = 0.4
-    wrong.save(tmp_path / "b" / "network-0.6.h5")
-    refused("0.6.h5 has eta = 0.4 and a grain with half_length/R = 0.5; expected at most eta",
-            Run.read, tmp_path / "b")
-    columns = {name: column[:0] for name, column in wrong.contacts.items()}
+    for eta in 0.4, 0.6:
+        wrong.attributes["eta"] = eta
+        wrong.save(tmp_path / "b" / "network-0.6.h5")
+        refused(f"0.6.h5 has eta = {eta} and grains with half_length/R up to 0.5; expected equal",
+                Run.read, tmp_path / "b")
     refused("no networks", Ensemble, [])
-    refused("no contact between grains", Ensemble,
-            [Network(wrong.particles, columns, wrong.attributes)])
+
+
+def without_contacts(network):
+    columns = {name: column[:0] for name, column in network.contacts.items()}
+    return Network(network.particles, columns, network.attributes)
+
+
+@pytest.mark.parametrize("name", ["network-0.4000.h5", "isotropic.h5"])
+def test_networks_without_contacts_are_refused(tmp_path, name):
+    path = write_run(tmp_path / "a", 0.5, contacts=60) / name
+    empty = without_contacts(Network.load(path))
+    empty.save(path)
+    refused(f"{name} has no contact between grains; expected", Run.read, path.parent)
+    refused("no contact between grains", Ensemble, [empty])
 
 
 def _of(change, network):

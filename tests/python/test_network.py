@@ -39,6 +39,15 @@ def test_stress_of_a_row_and_a_column():
     assert abs(test.stress_axes()[:, 0]) == pytest.approx([1, 0], abs=1e-14)
 
 
+def test_a_network_without_contacts_has_no_axes():
+    test = row_and_column()
+    none = {name: column[:0] for name, column in test.contacts.items()}
+    empty = Network(test.particles, none, test.attributes)
+    for call in empty.stress_axes, empty.stress_angle, empty.sin_phi:
+        refused("the network has no contact", call)
+    assert (empty.stress() == 0).all()
+
+
 def of_pairs(*pairs, **columns):
     """Contacts of equal forces between these bodies; negative ids are obstacles."""
     one, two = np.array(pairs).T

@@ -203,10 +203,13 @@ def _check_network(path, network, record):
         if name not in attributes:
             raise ValueError(f"{path} is a network without the attribute {name}; expected strain, "
                              "eta, friction and volume, as scripts/biaxial.py stores them")
+    if not network.between_particles.any():
+        raise ValueError(f"{path} has no contact between grains; expected a packing that bears a "
+                         "load: remove the file, or save the network after a step")
     found = (network.particles["half_length"] / network.particles["R"]).max(initial=0)
-    if found > attributes["eta"] + 1e-6:
-        raise ValueError(f"{path} has eta = {attributes['eta']:g} and a grain with half_length/R = "
-                         f"{found:g}; expected at most eta: correct the attribute")
+    if abs(found - attributes["eta"]) > 1e-6:
+        raise ValueError(f"{path} has eta = {attributes['eta']:g} and grains with half_length/R up "
+                         f"to {found:g}; expected equal numbers: correct the attribute")
     if not record:
         return
     known, where = record["parameters"] | dict(run=record["run"]), path.parent / run_folder.RUN
