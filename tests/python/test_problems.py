@@ -366,6 +366,19 @@ def test_w_and_q_are_checked(entries, q, friction, impulse):
         assert np.isfinite(problem.block).all() and np.isfinite(problem.q).all()
 
 
+def test_pairs_of_another_shape_are_not_shuffled():
+    """Rows of n and of t, as (2, nc), are no pairs; (nc, 2) and (2 nc,) are."""
+    make = lambda q, p: problems.DelassusProblem(([0], [0], [1.0]), q, [0.5] * 3, p)
+    pairs = np.arange(6.0).reshape(3, 2)
+    for given in pairs, pairs.ravel():
+        problem = make(given, given)
+        assert (problem.q == pairs).all() and (problem.impulse == pairs).all()
+    for shape in (2, 3), (6, 1), (1, 3, 2):
+        other = pairs.reshape(shape)
+        for name, arrays in (("q", (other, pairs)), ("the warm start", (pairs, other))):
+            refused(rf"{name} has shape \({shape[0]}.*\); expected \(3, 2\)", make, *arrays)
+
+
 def test_imaginary_parts_are_not_lost():
     for name in ("friction", "bias", "normal"):
         refused(f"{name} does not hold numbers, but complex ones", problems.BodyProblem,

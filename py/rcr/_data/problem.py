@@ -105,7 +105,7 @@ class DelassusProblem:
         Velocities without impulses, b_n included, local (n, t) [m/s].
     friction : (nc,) float array
         Friction coefficients µ [-].
-    impulse : (nc, 2) float array, optional
+    impulse : (nc, 2) or (2 nc,) float array, optional
         Warm start, local (n, t) [N s].
 
     Attributes
@@ -194,5 +194,5 @@ def _check_matrix(row, column, value, size):
 def _pairs(name, array, count):
     """Return a flat or (count, 2) array as (count, 2) doubles."""
     array = checks.reals(name, array)
-    array = array.reshape(-1, 2) if array.size == 2 * count else array
+    array = array.reshape(-1, 2) if array.shape == (2 * count,) else array
     return checks.array(name, array, (count, 2))
