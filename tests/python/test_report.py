@@ -90,6 +90,18 @@ def test_table_and_report_are_complete(written):
     assert base64.b64decode(image).startswith(b"\x89PNG")
 
 
+def test_one_small_packing_makes_the_verdicts_grey(written):
+    """Of discs, and of a second seed whose size the mean hides."""
+    made = {(eta, count): Run(pathlib.Path(f"{eta}"), [packing(eta, particles_=count)], 0.0)
+            for eta in (0.0, 0.5) for count in (999, 1000, 3000)}
+    large, others = made[0.5, 3000], [made[0.0, 1000], made[0.5, 1000]]
+    assert not report.has_small_packing([large, *others])
+    for small in made[0.0, 999], made[0.5, 999]:
+        assert report.has_small_packing([large, *others, small])
+    page = (written[0] / "report.html").read_text()
+    assert "fewer than 1000 grains" in page and not re.search("class='(yes|no)'", page)
+
+
 def test_analysis_of_other_runs_is_refused(out, folders):
     """Maps of an elongation that is no longer there would stay."""
     before = {path.name: path.read_bytes() for path in out.iterdir()}

@@ -31,8 +31,8 @@ img { max-width: 100%; height: auto } img.curve { max-height: 34em }
 </style></head><body>
 """
 FEWEST = 1000  # grains from which on the verdicts of the table mean something
-_SMALL = (f"These tests have fewer than {FEWEST} grains. The figures show what the study measures, "
-          "but the verdicts below are grey: chance and walls decide many of them. ")
+_SMALL = (f"A test has fewer than {FEWEST} grains. The figures show what the study measures, but "
+          "the verdicts below are grey: chance and walls decide many of them. ")
 _RULE = ("A value agrees within its tolerance or two standard errors. A trend must exceed two "
          "standard errors. Errors are those over seeds, or over networks with fewer than three "
          "seeds. The small print under each statement is its criterion.")
@@ -68,7 +68,7 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
         table = findings(analysis)
         (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
         (folder / "table.md").write_text(markdown(table), encoding="utf-8")
-        page = _page(material, analysis, table, pictures)
+        page = _page(material, has_small_packing(runs), analysis, table, pictures)
         (folder / "report.html").write_text(page, encoding="utf-8")
         begin()
         for path in sorted(folder.iterdir()):
@@ -87,8 +87,12 @@ def _map_networks(runs):
                 yield key, network
 
 
-def _page(material, analysis, table, pictures):
-    small = max(map(int, analysis["O1"]["value"]["particles"])) < FEWEST
+def has_small_packing(runs):
+    """Return whether a packing is too small for verdicts."""
+    return min(len(run.networks[0].particles["id"]) for run in runs) < FEWEST
+
+
+def _page(material, small, analysis, table, pictures):
     rows = "".join(_row(row, small) for row in table)
     parts = [_HEAD, "<h1>Force networks of elongated particles</h1>",
              f"<p>{material}</p>", "<h2>Paper against measured</h2>",
