@@ -30,9 +30,9 @@ def contact_network(walls=None, volume=None, **attributes):
         stresses, fabric and forces do not need it.
     **attributes
         Stored with the network: ``strain``, ``eta``, ``friction``, ``seed``. ``time``, ``dt``,
-        ``cell`` and ``cell_velocity`` come from the scene.
+        ``cell``, ``cell_velocity`` and ``stress`` come from the scene.
     """
-    if own := {"time", "dt", "cell", "cell_velocity"} & attributes.keys():
+    if own := {"time", "dt", "cell", "cell_velocity", "stress"} & attributes.keys():
         given = ", ".join(sorted(own))
         raise ValueError(f"contact_network({given}=…): the scene gives it; choose another name")
     frame = Frame.of_scene()

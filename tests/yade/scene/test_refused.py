@@ -61,8 +61,9 @@ CALLS = [  # function, words of its ValueError
        "CundallStrack.damping = .*; expected a fraction of the critical damping")
       for damping in (-0.1, NAN, INF)),
     (lambda: rcr.plot.packing(limits=((1, 1), (0, 0))), "limits = .* in this order"),
-    (lambda: rcr.contact_network(time=1.0, seed=3),
-     r"contact_network\(time=…\): the scene gives it"),
+    *((lambda given={name: 1.0}: rcr.contact_network(**given, seed=3),
+       rf"contact_network\({name}=…\): the scene gives it; choose another name")
+      for name in ("time", "stress")),
     (lambda: rcr.critical_time_step(),
      "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"),
     (lambda: (without(w.NewtonIntegrator), rcr.half_step_start()),
