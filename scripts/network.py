@@ -32,7 +32,7 @@ def arguments():
     add("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
     script.add_results(parser, "results")
     add("--from-strain", type=strain, metavar="E",
-        help="first strain of the averages (default: half of the last)")
+        help="first strain of the averages (default: half of --to-strain)")
     add("--to-strain", type=strain, metavar="E",
         help="last strain of the averages (default: each test's end)")
     add("--include-yielded", action="store_true",
@@ -47,9 +47,10 @@ def main():
     runs = [Run.read(folder, **selection) for folder in options.folders]
     for run in runs:
         if run.record and run.summary is None:
-            last, end = run.networks[-1].attributes["strain"], run.record["parameters"]["strain"]
+            last, end = run.networks[-1].attributes["strain"], run.record["parameters"].get("strain")
+            aim = "" if end is None else f", its end at {end}"
             print(f"network.py: the run in {run.folder} is not complete: its last network is at a "
-                  f"strain of {last:.4f}, its end at {end:g}", file=sys.stderr)
+                  f"strain of {last:.4f}{aim}", file=sys.stderr)
     by_elongation(runs)  # raises if they do not belong together
     sources = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
                for run in runs]
