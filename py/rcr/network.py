@@ -20,7 +20,7 @@ import numbers
 
 import numpy as np
 
-from rcr._data import checks, files, network_columns
+from rcr._data import checks, files, network_attributes, network_columns
 from rcr._data.network_columns import (  # noqa: F401: part of this module's interface
     BOTTOM, CAP_CAP, CAP_SIDE, LEFT, OBSTACLE, OTHER, RIGHT, SIDE_SIDE, TOP,
 )  # fmt: skip
@@ -54,22 +54,17 @@ class Network:
         All are optional: ``volume`` area of the region [m²], ``friction`` between grains [-],
         ``cell`` (2, 2) edges of a periodic cell as columns [m], ``cell_velocity`` (2, 2) their
         velocities [m/s], ``time`` [s], ``strain`` [-], ``dt`` [s], ``eta`` [-], ``seed``,
-        ``version``.
+        ``version``. Others are numbers, texts or arrays of numbers.
 
     Raises
     ------
     ValueError
-        If a column is missing, has the wrong shape, is not finite or cannot be that of a scene.
+        If a column is missing, has the wrong shape, is not finite or cannot be that of a scene; if
+        a file cannot hold an attribute.
     """
 
     def __init__(self, particles, contacts, attributes):
-        self.attributes = dict(attributes)
-        if "volume" in self.attributes:
-            expected = "the area of the region > 0 [m²]"
-            volume = checks.number("volume", attributes["volume"], expected, lambda v: v > 0)
-            self.attributes["volume"] = volume
-        for name in {"cell", "cell_velocity"} & set(self.attributes):
-            self.attributes[name] = checks.array(name, self.attributes[name], (2, 2))
+        self.attributes = network_attributes.checked(attributes)
         if "position" in particles:
             clump, center = np.full(len(particles["position"]), -1), particles["position"]
             particles = dict(clump=clump, center=center) | particles
@@ -79,7 +74,7 @@ class Network:
             contacts = dict(friction=friction) | contacts
         self.particles = network_columns.checked("particles", particles)
         self.contacts = network_columns.checked("contacts", contacts)
-        network_columns.check_meaning(self.particles, self.contacts, self.attributes)
+        network_columns.check_meaning(self.particles, self.contacts)
 
     def __repr__(self):
         names = ("time", "strain", "eta", "friction", "volume")

@@ -186,7 +186,10 @@ def test_file_round_trip(tmp_path):
     ("particles/R", lambda c: c[:1], r"particles/R has shape \(1,\); expected \(2,\)"),
     *(("attribute", (name, value), f"{name} = ") for name, value in (
         ("eta", 1.0), ("eta", "long"), ("friction", np.nan), ("volume", -1.0), ("volume", 0),
-        ("volume", "big"), ("strain", np.inf))),
+        ("volume", "big"), ("strain", np.inf), ("time", "later"), ("dt", [1, 2]),
+        ("cell", np.zeros((2, 2))), ("cell", [[1.0, 2], [0.1, 0.2]]))),
+    *(("attribute", ("cell", value), f"the attribute cell{says}") for value, says in (
+        (np.ones(4), r" has shape \(4,\)"), ([[1, 0], [0, np.nan]], r"\[1, 1\] = nan"))),
 ])
 def test_files_without_meaning_are_refused(tmp_path, name, change, says):
     path = tmp_path / "network-0.h5"
@@ -198,6 +201,24 @@ def test_files_without_meaning_are_refused(tmp_path, name, change, says):
             replace(column, change)(file) if change else file.pop(column)
     error = refused(says, Network.load, path)
     assert str(path) in error and "\n" not in error
+
+
+@pytest.mark.parametrize("value", [None, {}, [None], {"a": 1}, [[1], [1, 2]], ["a", 1], 10**30,
+                                   "a\0b", np.str_("a"), np.datetime64("2020-01-01")])
+def test_attributes_that_no_file_holds_are_refused(value):
+    test = random_network(10)
+    refused(r"the attribute note = .*; expected a number, a text or an array of numbers", Network,
+            test.particles, test.contacts, dict(note=value))
+
+
+def test_attributes_return_from_a_file(tmp_path):
+    test, path = random_network(10), tmp_path / "network-0.h5"
+    given_ = dict(number=3, text="ü", flag=True, row=[1.5, 2], texts=["a", "b"], code=b"x", none=[])
+    for again in range(2):
+        test = Network(test.particles, test.contacts, given_)
+        test.save(path)
+        given_ = Network.load(path).attributes
+    assert given_["number"] == 3 and given_["text"] == "ü" and list(given_["texts"]) == ["a", "b"]
 
 
 @given(xi=st.one_of(st.floats(), st.integers(), st.none(), st.text(max_size=2), st.booleans(),

@@ -1,7 +1,5 @@
 """Columns of a contact network: names, shapes and checks. Needs NumPy."""
 
-import math
-
 import numpy as np
 
 from rcr._data import checks, files
@@ -66,7 +64,7 @@ def read(file, group, path):
     return columns
 
 
-def check_meaning(particles, contacts, attributes):
+def check_meaning(particles, contacts):
     """Raise a ValueError unless the columns can be those of a scene."""
     for group, columns, rules in (("particles", particles, _of_grains(particles)),
                                   ("contacts", contacts, _of_contacts(contacts, particles["id"]))):
@@ -82,11 +80,6 @@ def check_meaning(particles, contacts, attributes):
     if len(distance) and not distance.mean() > 0:
         given = f"the mean distance of grains along contacts/normal is {distance.mean():g}"
         raise ValueError(f"{given}; expected > 0: branch and normal point from body 1 to body 2")
-    ranges = dict(strain=("a finite number", math.isfinite),
-                  eta=("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
-                  friction=("a finite coefficient ≥ 0", lambda v: 0 <= v < math.inf))
-    for name in ranges.keys() & attributes.keys():
-        checks.number(f"the attribute {name}", attributes[name], *ranges[name])
 
 
 def _distances_along_normals(particles, contacts):

@@ -1,0 +1,49 @@
+"""Attributes of a contact network: which values are numbers, and what a file can hold.
+
+Needs NumPy.
+"""
+
+import math
+
+import numpy as np
+
+from rcr._data import checks
+
+_FINITE = "a finite number", math.isfinite
+_NUMBERS = dict(  # attribute: expected value, condition
+    volume=("the area of the region > 0 [m²]", lambda v: v > 0),
+    eta=("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
+    friction=("a finite coefficient ≥ 0", lambda v: 0 <= v < math.inf),
+    strain=_FINITE, time=_FINITE, dt=_FINITE)
+
+
+def checked(attributes):
+    """Return the attributes, with those of a scene as floats and arrays, after a check of each.
+
+    A ValueError reports a value that a file cannot hold or that cannot be that of a scene.
+    """
+    found = dict(attributes)
+    for name, value in found.items():
+        if name in _NUMBERS:
+            found[name] = checks.number(f"the attribute {name}", value, *_NUMBERS[name])
+        elif name in ("cell", "cell_velocity"):
+            found[name] = checks.array(f"the attribute {name}", value, (2, 2))
+        elif not _is_storable(value):
+            expected = "a number, a text or an array of numbers: a file can hold no other"
+            raise checks.error(f"the attribute {name}", value, expected)
+    if "cell" in found and np.linalg.matrix_rank(found["cell"]) < 2:
+        expected = "edges as columns that span an area [m²]; leave it out without a periodic cell"
+        raise checks.error("the attribute cell", found["cell"].tolist(), expected)
+    return found
+
+
+def _is_storable(value):
+    """Return whether an attribute of HDF5 can have this value."""
+    texts = value if isinstance(value, (list, tuple)) else [value]
+    if all(type(text) is str for text in texts):
+        return not any("\0" in text for text in texts)
+    try:
+        dtype = getattr(value, "dtype", None) or np.asarray(value).dtype
+    except ValueError:  # rows of several lengths
+        return False
+    return dtype.kind in "biufcSV" or dtype.metadata is not None  # texts read by h5py
