@@ -124,14 +124,15 @@ def arguments():
     add("--tolerances", type=script.number("numbers between 0 and 1", lambda v: 0 < v < 1),
         nargs="+", default=list(TOLERANCES), metavar="T",
         help="residuals to reach (default: 1e-4 1e-6 1e-8 1e-10)")
-    add("--warm", action="store_true", help="start from the impulses in the files too")
+    add("--warm", action="store_true", help="start the tolerances from the impulses in the files too")
     add("--threads", type=script.THREADS, nargs="+", default=[1, 2], metavar="N",
         help="numbers of threads of the sweeps (default: 1 2)")
-    tables.add_repeats(parser, 20, budget=5)
+    tables.add_repeats(parser, 20, budget=5, run="a run to a tolerance")
     add("--max-iterations", type=script.at_least(1), default=100000, metavar="N",
-        help="largest number of iterations")
+        help="largest number of iterations to a tolerance")
     add("--siconos", metavar="PYTHON",
-        help="a Python with siconos.numerics and scipy, inside or outside the environment")
+        help="for the tolerances: a Python with siconos.numerics and scipy, inside or outside the "
+        "environment")
     add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=20, metavar="S",
         help="time limit of Siconos [s]")
     script.add_results(parser, "tables")

@@ -212,11 +212,11 @@ def arguments(in_yade):
     add("--steps", type=script.at_least(1), default=200 if in_yade else 20, metavar="N",
         help="steps in YADE, or warm steps in the libraries")
     add("--friction", type=script.number("a coefficient ≥ 0", lambda v: v >= 0), default=0.5,
-        help="friction between grains")
+        help="friction between grains; in YADE it is that of the checkpoint")
     add("--threads", type=script.THREADS, default=1, metavar="N",
         help="threads of our solver in YADE")
-    tables.add_repeats(parser, 5, budget=20)
-    tables.add_peers(parser)
+    tables.add_repeats(parser, 5, budget=20, runs="runs without YADE", run="a run without YADE")
+    tables.add_peers(parser, "; not used in YADE")
     script.add_results(parser, "tables")
     options = parser.parse_args()
     for path in options.inputs:

@@ -10,19 +10,19 @@ from rcr._data import files, run_folder
 PEERS = os.path.join(ROOT, "build", "peers")  # default folder of the programs of other libraries
 
 
-def add_repeats(parser, repeats, budget=None):
-    """Add the options --repeats and --budget with these default values."""
+def add_repeats(parser, repeats, budget=None, runs="runs", run="a run"):
+    """Add the options --repeats and --budget with these default values, for these runs."""
     parser.add_argument("--repeats", type=script.at_least(1), default=repeats, metavar="N",
-                        help="runs; the fastest counts")
+                        help=f"{runs}; the fastest counts")
     if budget:
         seconds = script.number("seconds ≥ 0", lambda v: v >= 0)
         parser.add_argument("--budget", type=seconds, default=budget, metavar="S",
-                            help="seconds after which a run is not repeated")
+                            help=f"seconds after which {run} is not repeated")
 
 
-def add_peers(parser):
+def add_peers(parser, note=""):
     parser.add_argument("--peers", default=PEERS, metavar="DIR",
-                        help="folder of chipmunk_step and box2d_step (default: build/peers)")
+                        help="folder of chipmunk_step and box2d_step (default: build/peers)" + note)
 
 
 def store(program, options, columns, measured):
