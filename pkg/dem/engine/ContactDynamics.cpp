@@ -100,8 +100,6 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	// speed of the drive, compliance of yielding contacts, impulse beyond which contacts yield
 	rcr::YieldBounds bounds = rcr::yieldBoundsOf(step_, workspace_.team());
 	rcr::Settings    base = settingsOfFirstPass(bounds), passSettings = base;
-	PassOutcome      outcome  = PassOutcome::consistent;
-	bool             mayLower = true; // the restitution of contacts that yield
 	for (int pass = 1;; ++pass) {
 		passSettings.solutionExists = rcr::restIsAdmissible(step_, bounds.driveSpeed);
 		solvePass(passSettings);
@@ -113,10 +111,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 			if (!overdamped) largeDisplacements_ |= rcr::anyLargeDisplacement(step_);
 			break;
 		}
-		// The velocities of yielding contacts satisfy the laws with the lowered restitution. If
-		// contacts yield again, restitution is not the cause.
-		if (yielded && outcome == PassOutcome::restitutionLowered) mayLower = false;
-		outcome = reviewPass(engines, pass, mayLower);
+		const PassOutcome outcome = reviewPass(engines, pass);
 		if (outcome == PassOutcome::consistent) break;
 		// The drive is measured at contact points. The added contact may be the first one of a
 		// driven body.
@@ -168,7 +163,7 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 }
 
 ContactDynamics::PassOutcome ContactDynamics::reviewPass(
-        const validation::Engines& engines, int pass, bool mayLower)
+        const validation::Engines& engines, int pass)
 {
 	const bool nextIsLast = pass == mostPasses - 1;
 	if (timed("lateContacts", [&] { return addLateContacts(*scene, engines, step_); })) {
@@ -180,10 +175,9 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
 	if (overdamped) return PassOutcome::consistent;
 	return timed("biasUpdate", [&] {
 		const bool mayRelease = pass <= mostPasses / 2; // else passes could release and load in turn
-		const bool changed    = rcr::adaptBiases(step_, mayRelease, nextIsLast, double(tolerance),
+		bool changed = rcr::adaptBiases(step_, mayRelease, nextIsLast, double(tolerance),
 		        largeDisplacements_, workspace_.team());
-		if (yielded && mayLower && rcr::lowerRestitutionOfYielded(step_, nextIsLast))
-			return PassOutcome::restitutionLowered;
+		if (yielded) changed |= rcr::lowerRestitutionOfYielded(step_, nextIsLast);
 		return changed ? PassOutcome::biasChanged : PassOutcome::consistent;
 	});
 }

@@ -112,7 +112,7 @@ public:
 	DECLARE_LOGGER;
 private:
 	// Result of a pass. All outcomes but `consistent` require a further pass.
-	enum class PassOutcome { consistent, contactsAdded, biasChanged, restitutionLowered };
+	enum class PassOutcome { consistent, contactsAdded, biasChanged };
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;
@@ -125,7 +125,7 @@ private:
 	void          solvePass(const rcr::Settings&);
 	StepOutcome   stepOutcome() const;
 	void          monitorStep();
-	PassOutcome   reviewPass(const validation::Engines&, int pass, bool mayLower);
+	PassOutcome   reviewPass(const validation::Engines&, int pass);
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setStartFlow();
 	void          updateMeanStretch();

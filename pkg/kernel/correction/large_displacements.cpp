@@ -72,8 +72,16 @@ bool meetOnPaths(const Step& step, const StepContact& contact, Vec2 normalBefore
 	return false;
 }
 
+/// Returns true if the point has had restitution from the beginning of the step.
+static bool rebounds(const Step& step, const StepContact& contact, int k)
+{
+	return contact.restitution > 0 && step.problem.points[contact.first + k].bias < 0;
+}
+
 bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelease)
 {
+	if (rebounds(step, contact, 0) && (contact.count == 1 || rebounds(step, contact, 1)))
+		return false;
 	const double dt = step.dt, slop = contact.slop();
 	Manifold     at[samples];
 	for (int sample = 0; sample < samples; ++sample)
@@ -103,9 +111,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		                    std::min(slop, -earlyArrival * path));
 		const bool   released = allowRelease && step.problem.impulse[number].n > 0 && least > open
 		        && std::isfinite(least);
-		// restitution from the beginning of the step
-		if (contact.restitution > 0 && c.bias < 0) continue;
-		if (!sinks && !released) continue;
+		if (rebounds(step, contact, k) || (!sinks && !released)) continue;
 		const double before = step.initialVelocity(c).n;
 		// restitution within the step
 		if (sinks && contact.restitution > 0 && before < 0 && c.bias > 0) {
@@ -126,8 +132,8 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 
 bool releaseNearMiss(Step& step, const StepContact& contact)
 {
-	const auto bounces = [&](int k) { return step.problem.points[contact.first + k].bias < 0; };
-	if (!(bounces(0) || (contact.count == 2 && bounces(1)))) return false;
+	if (!rebounds(step, contact, 0) && (contact.count == 1 || !rebounds(step, contact, 1)))
+		return false;
 	if (!hasLargeDisplacement(
 	            step, contact, initial(step, contact.body1), initial(step, contact.body2)))
 		return false;
@@ -142,7 +148,7 @@ bool releaseNearMiss(Step& step, const StepContact& contact)
 	for (int k = 0; k < contact.count; ++k) {
 		ContactPoint& c   = step.problem.points[contact.first + k];
 		const double  gap = step.gap[contact.first + k].atStart;
-		if (!bounces(k) || least[k] < std::min(0.0, gap) - clearance * contact.slop()) continue;
+		if (!rebounds(step, contact, k) || least[k] < std::min(0.0, gap) - clearance * contact.slop()) continue;
 		const double  closing = -step.initialVelocity(c).n;
 		// the bodies keep their velocities
 		c.bias  = std::max(gap, 0.0) / step.dt + closing;

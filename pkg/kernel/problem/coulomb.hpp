@@ -80,10 +80,10 @@ inline LocalVector solveCoulomb(const Delassus& w, double gn, double gt, double 
 inline double passiveRestitutionFactor(const Delassus& w, LocalVector p, LocalVector before,
         LocalVector after, double bias, double friction)
 {
+	const double gain = dot(p, after + before);
+	if (gain <= 0 || gain <= 1e-3 * std::hypot(p.n, p.t) * std::hypot(before.n, before.t)) return 1;
 	const LocalVector rest { after.n - w.nn * p.n - w.nt * p.t,
 		                     after.t - w.nt * p.n - w.tt * p.t }; // u without p
-	if (dot(p, after + before) <= 1e-3 * std::hypot(p.n, p.t) * std::hypot(before.n, before.t))
-		return 1;
 	double passive = 0, active = 1;
 	for (int halving = 0; halving < 30; ++halving) {
 		const double      factor = 0.5 * (passive + active);

@@ -17,27 +17,26 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
         bool& largeDisplacements, ThreadTeam& team)
 {
 	struct Change {
-		bool isLarge, changed, pushes;
+		bool isLarge = false, changed = false, pushes = false;
 	};
 	std::vector<Change> change(step.contacts.size());
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
 		if (contact.count == 0) return;
-		change[k] = { hasLargeDisplacement(step, contact), false, contact.restitution > 0 };
-		if (!change[k].isLarge) return;
+		const bool rebounds = contact.restitution > 0;
+		change[k].isLarge   = hasLargeDisplacement(step, contact);
+		if (!change[k].isLarge && !rebounds) return;
 		// no later pass would check the energy of a new push
-		if (!nextIsLast) change[k].changed = adaptToDisplacement(step, contact, allowRelease);
+		if (change[k].isLarge && !nextIsLast)
+			change[k].changed = adaptToDisplacement(step, contact, allowRelease);
+		if (rebounds && allowRelease) change[k].changed |= releaseNearMiss(step, contact);
 		for (int point = contact.first; point < contact.first + contact.count; ++point)
 			change[k].pushes |= step.problem.points[point].bias < 0;
 	});
 	bool changed = false, pushes = false;
 	largeDisplacements = false;
-	for (std::size_t k = 0; k < change.size(); ++k) {
-		largeDisplacements |= change[k].isLarge;
-		changed |= change[k].changed, pushes |= change[k].pushes;
-		if (allowRelease && step.contacts[k].count > 0 && step.contacts[k].restitution > 0)
-			changed |= releaseNearMiss(step, step.contacts[k]);
-	}
+	for (const Change& c : change)
+		largeDisplacements |= c.isLarge, changed |= c.changed, pushes |= c.pushes;
 	if (pushes) changed |= lowerPairRestitution(step);
 	if (pushes && (nextIsLast || !changed))
 		changed |= lowerCollisionRestitution(step, nextIsLast, tolerance);

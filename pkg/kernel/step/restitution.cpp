@@ -8,6 +8,7 @@ namespace rcr {
 namespace {
 
 	constexpr double fullRestitution = 0.99; // share of the restitution that counts as full
+	constexpr double freeImpact      = 1.05; // largest impulse over that of an impact of two free bodies
 
 	/// Twice the energies of a collision: growth, loss without restitution, and absolute work of
 	/// all points.
@@ -27,12 +28,28 @@ namespace {
 		if (c.bias < 0 && u.n < 0) of.plasticLoss -= p.n * u.n * u.n / (u.n + c.bias);
 	}
 
+	Energy sumOf(const Step& step, std::vector<int>::const_iterator begin,
+	        std::vector<int>::const_iterator end)
+	{
+		Energy energy;
+		std::for_each(begin, end, [&](int k) { add(energy, step, k); });
+		return energy;
+	}
+
 	/// Factor of the biases of a pair of bodies or a collision, below 1 if its gain exceeds the
 	/// error of the solver.
 	double passiveFactor(const Energy& of, double energyTolerance)
 	{
 		if (of.gain <= energyTolerance * of.work) return 1;
 		return of.plasticLoss / (of.plasticLoss + 1.5 * of.gain);
+	}
+
+	/// Factor of the bias of a point that is the only one of its bodies.
+	double passiveFactorOfPoint(const Step& step, int k)
+	{
+		const ContactPoint& c = step.problem.points[k];
+		return passiveRestitutionFactor(delassus(step.problem, c), step.problem.impulse[k],
+		        step.initialVelocity(c), relativeVelocity(step.problem, c), c.bias, c.friction);
 	}
 
 	/// Points that bear an impulse in contacts with restitution, grouped by pairs of bodies.
@@ -47,8 +64,10 @@ namespace {
 			const ContactPoint& c = step.problem.points[k];
 			return std::minmax(c.body1, c.body2);
 		};
-		std::stable_sort(points.begin(), points.end(),
-		        [&](int a, int b) { return bodies(a) < bodies(b); });
+		const auto before = [&](int a, int b) { return bodies(a) < bodies(b); };
+		// the contacts of a step are sorted, so points are too unless clumps own some
+		if (!std::is_sorted(points.begin(), points.end(), before))
+			std::stable_sort(points.begin(), points.end(), before);
 		return points;
 	}
 
@@ -64,20 +83,14 @@ bool lowerPairRestitution(Step& step)
 			const ContactPoint& c = step.problem.points[k];
 			return std::minmax(c.body1, c.body2) != std::minmax(first.body1, first.body2);
 		});
-		Energy energy;
+		if (std::none_of(begin, end, [&](int k) { return step.problem.points[k].bias < 0; }))
+			continue; // no restitution
+		const double share = end - begin == 1 ? passiveFactorOfPoint(step, *begin)
+		                                      : passiveFactor(sumOf(step, begin, end), 1e-3);
+		if (!(share < 1)) continue;
+		changed = true;
 		for (auto k = begin; k != end; ++k)
-			add(energy, step, *k);
-		for (auto k = begin; k != end; ++k) {
-			ContactPoint& c = step.problem.points[*k];
-			if (!(c.bias < 0)) continue; // no restitution
-			const double share = end - begin == 1
-			        ? passiveRestitutionFactor(delassus(step.problem, c), step.problem.impulse[*k],
-			                step.initialVelocity(c), relativeVelocity(step.problem, c), c.bias,
-			                c.friction)
-			        : passiveFactor(energy, 1e-3);
-			c.bias *= share;
-			changed |= share < 1;
-		}
+			if (step.problem.points[*k].bias < 0) step.problem.points[*k].bias *= share;
 	}
 	return changed;
 }
@@ -91,6 +104,10 @@ bool lowerRestitutionOfYielded(Step& step, bool plastic)
 			ContactPoint& c = step.problem.points[k];
 			const bool yields = step.problem.hasYielded(c.body1) || step.problem.hasYielded(c.body2);
 			if (!yields || !(c.bias < 0)) continue;
+			const double before = step.initialVelocity(c).n;
+			const bool   isLowered = -c.bias < 0.999 * contact.restitution * -before;
+			const double impulse = delassus(step.problem, c).nn * step.problem.impulse[k].n;
+			if (!isLowered && impulse <= freeImpact * (std::abs(before) - c.bias)) continue;
 			const double after = relativeVelocity(step.problem, c).n;
 			if (after >= -fullRestitution * c.bias) continue;
 			c.bias  = after > 0 && !plastic ? -after : std::max(step.gap[k].atStart, 0.0) / step.dt;
@@ -113,7 +130,11 @@ bool lowerCollisionRestitution(Step& step, bool plastic, double tolerance)
 {
 	// energy gain over the work of all impulses that the tolerance of the solver may cause
 	const double energyTolerance = tolerance > 0 ? std::clamp(10 * tolerance, 1e-12, 1e-3) : 1e-3;
-	ContactProblem&     problem = step.problem;
+	ContactProblem& problem = step.problem;
+	bool            pushes  = false;
+	for (std::size_t k = 0; k < problem.points.size() && !pushes; ++k)
+		pushes = problem.points[k].bias < 0 && problem.impulse[k].n > 0;
+	if (!pushes) return false;
 	// bodies that impulses join; prescribed bodies join none
 	DisjointSets        sets(step.bodies.size());
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {

@@ -25,8 +25,9 @@ namespace rcr {
 /// step. Returns true if a bias changed.
 bool lowerPairRestitution(Step&);
 
-/// Limits the restitution of contacts that have yielded to the solved velocity of each point;
-/// `plastic`: removes it. Returns true if a bias changed; contacts may then be solved as rigid.
+/// Limits the restitution of points that have yielded to their solved velocity; `plastic`: removes
+/// it. Omits points that bear no more than in an impact of two free bodies: their restitution is
+/// not the reason. Returns true if a bias changed; contacts may then be solved as rigid.
 bool lowerRestitutionOfYielded(Step&, bool plastic);
 
 /// Removes all restitution and the corrections that push bodies apart, so no step adds energy.

@@ -60,7 +60,7 @@ def test_violent_scenes_end_their_steps_without_overlap(scene, seed):
 
 def test_a_step_that_would_double_the_energy_is_refused():
     """Twenty rods at 20 radii a step in a box, restitution 0.9."""
-    rng, speed, grain = np.random.default_rng(29), 20 * R / 1e-3, material(0.3)
+    rng, speed, grain = np.random.default_rng(17), 20 * R / 1e-3, material(0.3)
     rods = []
     for k in range(20):
         way = rng.uniform(0, 2 * math.pi)
