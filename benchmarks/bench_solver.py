@@ -124,7 +124,8 @@ def arguments():
     add("--tolerances", type=script.number("numbers between 0 and 1", lambda v: 0 < v < 1),
         nargs="+", default=list(TOLERANCES), metavar="T",
         help="residuals to reach (default: 1e-4 1e-6 1e-8 1e-10)")
-    add("--warm", action="store_true", help="start the tolerances from the impulses in the files too")
+    add("--warm", action="store_true",
+        help="start the tolerances from the impulses in the files too")
     add("--threads", type=script.THREADS, nargs="+", default=[1, 2], metavar="N",
         help="numbers of threads of the sweeps (default: 1 2)")
     tables.add_repeats(parser, 20, budget=5, run="a run to a tolerance")

@@ -47,7 +47,8 @@ def main():
     runs = [Run.read(folder, **selection) for folder in options.folders]
     for run in runs:
         if run.record and run.summary is None:
-            last, end = run.networks[-1].attributes["strain"], run.record["parameters"].get("strain")
+            last = run.networks[-1].attributes["strain"]
+            end = run.record["parameters"].get("strain")
             aim = "" if end is None else f", its end at {end}"
             print(f"network.py: the run in {run.folder} is not complete: its last network is at a "
                   f"strain of {last:.4f}{aim}", file=sys.stderr)

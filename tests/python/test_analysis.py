@@ -496,7 +496,7 @@ def test_major_stress_may_be_along_either_axis(tmp_path):
 
 
 def test_the_critical_state_decides_along_which_axis_the_major_stress_is(tmp_path):
-    """Before it, σ_x is 9 times σ_y. Walls of an oblique test do not bear the principal stresses."""
+    """Before it, σ_x is 9 times σ_y. Walls of an oblique test do not bear σ₁ and σ₂."""
     folder = write_run(tmp_path / "run", 0.5)
     header, *lines = (folder / "history.csv").read_text().splitlines()
     early = [f"{line.split(',')[0]},9,1" for line in lines[:40]]

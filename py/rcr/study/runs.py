@@ -20,7 +20,7 @@ from rcr.study.protocol import HALF_RECORD, critical_start, is_critical
 _TWO_RUNS = "the folder mixes two runs; remove the files of one"
 _HISTORY = "strain", "stress_x", "stress_y"
 _YIELDED = "yielded_steps"
-_MOST_OBLIQUE = 20  # angle of the axis of σ₁ to x or y, at most [°]: sin φ of the walls is 23 % less
+_MOST_OBLIQUE = 20  # angle of σ₁ to x or y, at most [°]; it lowers sin φ of the walls by 23 %
 _FREE = "seed", "threads", "strain", "networks", "include_yielded"  # may differ between seeds
 _FREE_OF_ETA = *_FREE, "eta", "particles", "iterations"  # may differ between elongations
 _WINDOW_SHARE = 0.1  # difference of the windows of two elongations over their length, at most [-]
