@@ -63,6 +63,8 @@ TABLE = {
         ("islands-judged-together", "swept.islands.size() <= 1", "true"),
         ("keeps-positive-cost", "if (!hasPositiveCost(problem, points.begin()",
          "if (true || !hasPositiveCost(problem, points.begin()"),
+        ("yielded-for-ever", "std::fill(problem.yielded.begin(), problem.yielded.end(), false);",
+         ""),
         ("no-cold-start", "problem.impulse.assign(problem.points.size(), {}); // their", "//"),
         ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
         ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),
