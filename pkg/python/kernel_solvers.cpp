@@ -151,8 +151,8 @@ void bindSolvers(py::module_& m)
 	        "\n"
 	        "Returns a dict: impulse (nc, 2) [N s], relative_velocity (nc, 2) [m/s], velocity\n"
 	        "(nb, 3) [m/s, 1/s], stretch_rate (2,) [1/s], iterations, residual [-], converged,\n"
-	        "kinematic_error [-], yielded, yielded_bodies (list), impulse_growth over the last 100\n"
-	        "sweeps [-], work (sweeps × points), seconds, processor_seconds (of the calling thread).\n"
+	        "kinematic_error [-], yielded, yielded_bodies (list), impulse_growth over the last\n"
+	        "100 sweeps [-], work (sweeps × points), seconds, processor_seconds (of this thread).\n"
 	        "Raises ValueError for arrays of inconsistent shapes and settings out of range.");
 	m.def("solve_delassus", solveDelassusArrays, "row_start"_a, "column"_a, "block"_a,
 	        "free_velocity"_a, "friction"_a, "impulse"_a, "solver"_a = "auto", "tolerance"_a = 1e-4,

@@ -176,7 +176,7 @@ class Frame:
     def mobilization(self):
         """Return |f_t|/(µ f_n) of each contact, (C,) [-].
 
-        It is 0 without force or friction and NaN if µ is unknown.
+        It is NaN if µ is unknown, else 0 without force or friction.
         """
         normal, n, force = self.normal_force(), self.contacts["normal"], self.contacts["force"]
         tangential = np.abs(force[:, 1] * n[:, 0] - force[:, 0] * n[:, 1])

@@ -10,7 +10,7 @@ constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further
 constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
 // factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
 constexpr int    squeezedEffort   = 10;
-constexpr int    mostIterations   = 100'000'000; // of a solve; no sum of them overflows
+constexpr int    mostIterations   = 10'000'000; // of a solve; no sum of them overflows
 
 std::string ContactDynamics::attributeError() const
 {

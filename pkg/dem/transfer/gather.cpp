@@ -105,12 +105,14 @@ namespace {
 
 		/// Returns true if a body, enlarged by its alert distance, leaves its box. The collider may
 		/// then not list all its contacts. An example is a velocity set by a script. The box of an
-		/// obstacle has no alert distance. In a sheared cell, it is in unsheared space.
+		/// obstacle has no alert distance. In a periodic cell, its displacement is compared with the
+		/// sweep length, since a box may lie in unsheared space.
 		bool mayLackContacts(const Body& b, const rcr::StepBody& body) const
 		{
 			if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
 			if (body.shape.grain())
-				return GrainBoxes(scene_, step_).isLeft(body, b.state->pos, body.velocity, *b.bound);
+				return GrainBoxes(scene_, step_)
+				        .isLeft(body, b.state->pos, body.velocity, *b.bound);
 			if (scene_.isPeriodic)
 				return body.alertDistance + double((b.state->pos - b.bound->refPos).norm())
 				        > double(b.bound->sweepLength);
@@ -259,7 +261,7 @@ GrainBoxes::GrainBoxes(const Scene& scene, const rcr::Step& step)
 bool GrainBoxes::isLeft(const rcr::StepBody& b, const Vector3r& at, const rcr::PlanarVector& v,
         const Bound& bound) const
 {
-	double   extent = b.radius + rcr::alertDistance(b.shape, v, dt_);
+	double   extent = (b.radius + rcr::alertDistance(b.shape, v, dt_)) * (1 - 1e-9); // of rounding
 	Vector3r moved  = at - bound.refPos;
 	if (cell_) {
 		extent += rcr::imageReach(b.shape, imageSpeed_, dt_);

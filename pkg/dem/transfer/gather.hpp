@@ -40,8 +40,8 @@ void gather(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
 void regatherBodies(Scene&, const validation::Engines&, rcr::ThreadTeam&,
         const std::vector<Body::id_t>&, SceneHandles&, rcr::Step&);
 
-/// Tests whether grains leave their boxes in the collider, which may then not list all their
-/// contacts. In a sheared cell, boxes and positions are those of unsheared space.
+/// Tests whether grains leave their boxes. The collider may then not list all their contacts. In a
+/// sheared cell, boxes and positions are those of unsheared space.
 class GrainBoxes {
 public:
 	GrainBoxes(const Scene&, const rcr::Step&);

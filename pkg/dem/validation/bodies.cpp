@@ -241,9 +241,9 @@ void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
 	if (!(friction >= 0 && friction <= rcr::maxFriction))
 		refuse("contact of ", bodyNames({ id1, id2 }), " has the friction coefficient ",
 		        text(friction),
-		        "; expected a friction angle from 0 to below π/2 [rad], and a coefficient of at most ",
-		        text(rcr::maxFriction),
-		        ". Mend the material or Ip2 functor, then call O.interactions.clear().");
+		        "; expected a friction angle from 0 to below π/2 [rad], and a coefficient of at "
+		        "most ",
+		        text(rcr::maxFriction), ". Mend the material or Ip2 functor, then call O.interactions.clear().");
 	if (!(restitution >= 0 && restitution <= 1))
 		refuse("contact of ", bodyNames({ id1, id2 }), " has the restitution ", text(restitution),
 		        "; expected 0 to 1. Mend the Ip2 functor, then call O.interactions.clear(). Materials "

@@ -148,7 +148,8 @@ bool releaseNearMiss(Step& step, const StepContact& contact)
 	for (int k = 0; k < contact.count; ++k) {
 		ContactPoint& c   = step.problem.points[contact.first + k];
 		const double  gap = step.gap[contact.first + k].atStart;
-		if (!rebounds(step, contact, k) || least[k] < std::min(0.0, gap) - clearance * contact.slop()) continue;
+		const double  hit = std::min(0.0, gap) - clearance * contact.slop();
+		if (!rebounds(step, contact, k) || least[k] < hit) continue;
 		const double  closing = -step.initialVelocity(c).n;
 		// the bodies keep their velocities
 		c.bias  = std::max(gap, 0.0) / step.dt + closing;

@@ -8,7 +8,9 @@ namespace rcr {
 namespace {
 
 	constexpr double fullRestitution = 0.99; // share of the restitution that counts as full
-	constexpr double freeImpact      = 1.05; // largest impulse over that of an impact of two free bodies
+	// Impulse over that of an impact of two free bodies above which yielded points lose restitution.
+	// The excess covers the error of the solver.
+	constexpr double freeImpact      = 1.05;
 
 	/// Twice the energies of a collision: growth, loss without restitution, and absolute work of
 	/// all points.
@@ -102,12 +104,12 @@ bool lowerRestitutionOfYielded(Step& step, bool plastic)
 		if (!(contact.restitution > 0)) continue;
 		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = step.problem.points[k];
-			const bool yields = step.problem.hasYielded(c.body1) || step.problem.hasYielded(c.body2);
-			if (!yields || !(c.bias < 0)) continue;
-			const double before = step.initialVelocity(c).n;
-			const bool   isLowered = -c.bias < 0.999 * contact.restitution * -before;
-			const double impulse = delassus(step.problem, c).nn * step.problem.impulse[k].n;
-			if (!isLowered && impulse <= freeImpact * (std::abs(before) - c.bias)) continue;
+			if (!step.problem.hasYielded(c.body1) && !step.problem.hasYielded(c.body2)) continue;
+			if (!(c.bias < 0)) continue;
+			const double before  = step.initialVelocity(c).n;
+			const bool   isFull  = c.bias <= fullRestitution * contact.restitution * before;
+			const double rebound = delassus(step.problem, c).nn * step.problem.impulse[k].n;
+			if (isFull && rebound <= freeImpact * (std::abs(before) - c.bias)) continue;
 			const double after = relativeVelocity(step.problem, c).n;
 			if (after >= -fullRestitution * c.bias) continue;
 			c.bias  = after > 0 && !plastic ? -after : std::max(step.gap[k].atStart, 0.0) / step.dt;

@@ -25,9 +25,9 @@ namespace rcr {
 /// step. Returns true if a bias changed.
 bool lowerPairRestitution(Step&);
 
-/// Limits the restitution of points that have yielded to their solved velocity; `plastic`: removes
-/// it. Omits points that bear no more than in an impact of two free bodies: their restitution is
-/// not the reason. Returns true if a bias changed; contacts may then be solved as rigid.
+/// Limits the restitution of yielded points to their solved normal velocity; `plastic`: removes it.
+/// Skips points of full restitution that bear no more than in an impact of two free bodies: their
+/// restitution is not the reason. Returns true if a bias changed: contacts may then be rigid again.
 bool lowerRestitutionOfYielded(Step&, bool plastic);
 
 /// Removes all restitution and the corrections that push bodies apart, so no step adds energy.

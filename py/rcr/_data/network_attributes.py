@@ -29,7 +29,7 @@ def checked(attributes):
         elif name in ("cell", "cell_velocity"):
             found[name] = checks.array(f"the attribute {name}", value, (2, 2))
         elif not _is_storable(value):
-            expected = "a number, a text or an array of numbers: a file can hold no other"
+            expected = "a number, a text, a list of texts or an array of numbers"
             raise checks.error(f"the attribute {name}", value, expected)
     if "cell" in found and np.linalg.matrix_rank(found["cell"]) < 2:
         expected = "edges as columns that span an area [m²]; leave it out without a periodic cell"

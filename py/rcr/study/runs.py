@@ -249,14 +249,15 @@ def by_elongation(runs):
     """Return {η: its runs}, η rising; runs of one elongation are seeds.
 
     A ValueError reports runs that differ in friction, a run that is given twice, runs of one
-    elongation that differ in more than their seed, and others that do not belong to one trend.
+    elongation that differ in more than their seed, and elongations with different parameters or
+    windows of strain.
     """
     common_value([network for run in runs for network in run.networks], "friction")
     groups = group_by_eta(runs)
     for group in groups.values():
         _check_seeds(group)
     for one, two in itertools.combinations(runs, 2):
-        length = one.to_strain - one.from_strain
+        length = min(run.to_strain - run.from_strain for run in (one, two))
         _check_windows(one, two, max(2 * HALF_RECORD, _WINDOW_SHARE * length))
         todo = "tests that differ in elongation, seed and size alone; analyse others apart"
         _check_parameters(one, two, _FREE_OF_ETA, todo)
