@@ -261,10 +261,11 @@ GrainBoxes::GrainBoxes(const Scene& scene, const rcr::Step& step)
 bool GrainBoxes::isLeft(const rcr::StepBody& b, const Vector3r& at, const rcr::PlanarVector& v,
         const Bound& bound) const
 {
-	double   extent = (b.radius + rcr::alertDistance(b.shape, v, dt_)) * (1 - 1e-9); // of rounding
+	double   extent = b.radius + rcr::alertDistance(b.shape, v, dt_);
 	Vector3r moved  = at - bound.refPos;
 	if (cell_) {
 		extent += rcr::imageReach(b.shape, imageSpeed_, dt_);
+		extent *= 1 - 1e-9; // a grain at rest may fill its box
 		moved = cell_->unshearPt(at) - 0.5 * (bound.min + bound.max);
 	}
 	for (int axis : { 0, 1 })
