@@ -54,7 +54,7 @@ class Network:
         All are optional: ``volume`` area of the region [m²], ``friction`` between grains [-],
         ``cell`` (2, 2) edges of a periodic cell as columns [m], ``cell_velocity`` (2, 2) their
         velocities [m/s], ``time`` [s], ``strain`` [-], ``dt`` [s], ``eta`` [-], ``seed``,
-        ``version``. Others are numbers, texts or arrays of numbers.
+        ``version``. Other attributes are numbers, texts, lists of texts or arrays of numbers.
 
     Raises
     ------

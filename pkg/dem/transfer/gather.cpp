@@ -105,14 +105,14 @@ namespace {
 
 		/// Returns true if a body, enlarged by its alert distance, leaves its box. The collider may
 		/// then not list all its contacts. An example is a velocity set by a script. The box of an
-		/// obstacle has no alert distance. In a periodic cell, its displacement is compared with the
-		/// sweep length, since a box may lie in unsheared space.
+		/// obstacle has no alert distance. In a periodic cell, its displacement is compared with
+		/// the sweep length, since a box may lie in unsheared space.
 		bool mayLackContacts(const Body& b, const rcr::StepBody& body) const
 		{
 			if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
 			if (body.shape.grain())
-				return GrainBoxes(scene_, step_)
-				        .isLeft(body, b.state->pos, body.velocity, *b.bound);
+				return grainLeavesBox(
+				        scene_, step_, body, b.state->pos, body.velocity, *b.bound);
 			if (scene_.isPeriodic)
 				return body.alertDistance + double((b.state->pos - b.bound->refPos).norm())
 				        > double(b.bound->sweepLength);
@@ -252,24 +252,19 @@ namespace {
 
 } // namespace
 
-GrainBoxes::GrainBoxes(const Scene& scene, const rcr::Step& step)
-    : cell_(scene.isPeriodic ? scene.cell.get() : nullptr), widening_(boxWidening(scene)),
-      imageSpeed_(cell_ ? step.cell.imageSpeed : 0), dt_(step.dt)
+bool grainLeavesBox(const Scene& scene, const rcr::Step& step, const rcr::StepBody& b,
+        const Vector3r& at, const rcr::PlanarVector& v, const Bound& bound)
 {
-}
-
-bool GrainBoxes::isLeft(const rcr::StepBody& b, const Vector3r& at, const rcr::PlanarVector& v,
-        const Bound& bound) const
-{
-	double   extent = b.radius + rcr::alertDistance(b.shape, v, dt_);
+	double   extent = b.radius + rcr::alertDistance(b.shape, v, step.dt);
 	Vector3r moved  = at - bound.refPos;
-	if (cell_) {
-		extent += rcr::imageReach(b.shape, imageSpeed_, dt_);
+	if (scene.isPeriodic) {
+		extent += rcr::imageReach(b.shape, step.cell.imageSpeed, step.dt);
 		extent *= 1 - 1e-9; // a grain at rest may fill its box
-		moved = cell_->unshearPt(at) - 0.5 * (bound.min + bound.max);
+		moved = scene.cell->unshearPt(at) - 0.5 * (bound.min + bound.max);
 	}
+	const Vector3r widening = boxWidening(scene);
 	for (int axis : { 0, 1 })
-		if (std::abs(double(moved[axis])) + extent * double(widening_[axis])
+		if (std::abs(double(moved[axis])) + extent * double(widening[axis])
 		        > 0.5 * double(bound.max[axis] - bound.min[axis]))
 			return true;
 	return false;

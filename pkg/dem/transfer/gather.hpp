@@ -40,21 +40,11 @@ void gather(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
 void regatherBodies(Scene&, const validation::Engines&, rcr::ThreadTeam&,
         const std::vector<Body::id_t>&, SceneHandles&, rcr::Step&);
 
-/// Tests whether grains leave their boxes. The collider may then not list all their contacts. In a
-/// sheared cell, boxes and positions are those of unsheared space.
-class GrainBoxes {
-public:
-	GrainBoxes(const Scene&, const rcr::Step&);
-	/// Returns true if a grain at this position, enlarged by the alert distance of this velocity
-	/// and the motion of images, leaves its box.
-	bool isLeft(const rcr::StepBody&, const Vector3r& at, const rcr::PlanarVector&,
-	        const Bound&) const;
-
-private:
-	const Cell* cell_ = nullptr; // null without a periodic cell
-	Vector3r    widening_;
-	double      imageSpeed_, dt_;
-};
+/// Returns true if a grain at this position leaves its box, enlarged by the alert distance of this
+/// velocity and the motion of images. The collider may then not list all its contacts. In a
+/// periodic cell, boxes are those of unsheared space.
+bool grainLeavesBox(const Scene&, const rcr::Step&, const rcr::StepBody&, const Vector3r& at,
+        const rcr::PlanarVector&, const Bound&);
 
 /// Returns true if an obstacle at this pose, enlarged by `margin` [m], leaves its box.
 bool obstacleLeavesBox(const rcr::PlanarShape&, const rcr::Pose&, double margin, const Bound&);

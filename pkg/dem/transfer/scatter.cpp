@@ -129,8 +129,7 @@ static void requestCollider(
 	const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() // YADE: 0.5
 	                                     : std::numeric_limits<Real>::infinity();
 	// boxes do not follow images of bodies at rest
-	const double     imageStep = largestImageDisplacement(step);
-	const GrainBoxes boxes(scene, step);
+	const double imageStep = largestImageDisplacement(step);
 	std::atomic<bool> out { false };
 	team.forEach(step.bodies.size(), [&](Body::id_t id) {
 		const Bound* bound = handles.bound[id];
@@ -143,7 +142,7 @@ static void requestCollider(
 		                > double(bound->sweepLength);
 		const bool leaves = imagesLeave || bound->max[0] - bound->min[0] > widest
 		        || (b.shape.grain()
-		                        ? boxes.isLeft(b,
+		                        ? grainLeavesBox(scene, step, b,
 		                                handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
 		                                *bound)
 		                        : rotatesOutOfBox(b, step.bodies[b.owner],

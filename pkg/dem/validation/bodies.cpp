@@ -243,7 +243,8 @@ void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
 		        text(friction),
 		        "; expected a friction angle from 0 to below π/2 [rad], and a coefficient of at "
 		        "most ",
-		        text(rcr::maxFriction), ". Mend the material or Ip2 functor, then call O.interactions.clear().");
+		        text(rcr::maxFriction),
+		        ". Mend the material or Ip2 functor, then call O.interactions.clear().");
 	if (!(restitution >= 0 && restitution <= 1))
 		refuse("contact of ", bodyNames({ id1, id2 }), " has the restitution ", text(restitution),
 		        "; expected 0 to 1. Mend the Ip2 functor, then call O.interactions.clear(). Materials "

@@ -23,12 +23,12 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
 		if (contact.count == 0) return;
-		const bool rebounds = contact.restitution > 0;
-		change[k]           = { hasLargeDisplacement(step, contact), false, rebounds };
+		const bool hasRestitution = contact.restitution > 0;
+		change[k] = { hasLargeDisplacement(step, contact), false, hasRestitution };
 		// no later pass would check the energy of a new push
 		if (change[k].isLarge && !nextIsLast)
 			change[k].changed = adaptToDisplacement(step, contact, allowRelease);
-		if (rebounds && allowRelease) change[k].changed |= releaseNearMiss(step, contact);
+		if (hasRestitution && allowRelease) change[k].changed |= releaseNearMiss(step, contact);
 		if (!change[k].isLarge) return;
 		for (int point = contact.first; point < contact.first + contact.count; ++point)
 			change[k].pushes |= step.problem.points[point].bias < 0;

@@ -8,8 +8,8 @@ namespace rcr {
 namespace {
 
 	constexpr double fullRestitution = 0.99; // share of the restitution that counts as full
-	// Impulse over that of an impact of two free bodies above which yielded points lose restitution.
-	// The excess covers the error of the solver.
+	// Impulse over that of an impact of two free bodies; above it, yielded points lose
+	// restitution. The excess covers the error of the solver.
 	constexpr double freeImpact      = 1.05;
 
 	/// Twice the energies of a collision: growth, loss without restitution, and absolute work of
