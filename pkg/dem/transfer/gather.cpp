@@ -104,21 +104,14 @@ namespace {
 		}
 
 		/// Returns true if a body, enlarged by its alert distance, leaves its box. The collider may
-		/// then not list all its contacts. An example is a velocity set by a script. The box of an
-		/// obstacle has no alert distance. In a periodic cell, its displacement is compared with
-		/// the sweep length, since a box may lie in unsheared space.
+		/// then not list all its contacts. An example is a velocity set by a script.
 		bool mayLackContacts(const Body& b, const rcr::StepBody& body) const
 		{
 			if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
-			if (body.shape.grain())
-				return grainLeavesBox(
-				        scene_, step_, body, b.state->pos, body.velocity, *b.bound);
-			if (scene_.isPeriodic)
-				return body.alertDistance + double((b.state->pos - b.bound->refPos).norm())
-				        > double(b.bound->sweepLength);
-			// reduced by rounding
-			const double margin = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
-			return obstacleLeavesBox(body.shape, body.pose(), margin, *b.bound);
+			return body.shape.grain()
+			        ? grainLeavesBox(scene_, step_, body, b.state->pos, body.velocity, *b.bound)
+			        : obstacleLeavesBox(scene_, body.shape, body.pose(), handles_.z,
+			                body.alertDistance, *b.bound);
 		}
 
 		/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without
@@ -259,9 +252,9 @@ bool grainLeavesBox(const Scene& scene, const rcr::Step& step, const rcr::StepBo
 	Vector3r moved  = at - bound.refPos;
 	if (scene.isPeriodic) {
 		extent += rcr::imageReach(b.shape, step.cell.imageSpeed, step.dt);
-		extent *= 1 - 1e-9; // a grain at rest may fill its box
 		moved = scene.cell->unshearPt(at) - 0.5 * (bound.min + bound.max);
 	}
+	extent *= 1 - 1e-9; // a grain at rest fills its box
 	const Vector3r widening = boxWidening(scene);
 	for (int axis : { 0, 1 })
 		if (std::abs(double(moved[axis])) + extent * double(widening[axis])
@@ -270,13 +263,27 @@ bool grainLeavesBox(const Scene& scene, const rcr::Step& step, const rcr::StepBo
 	return false;
 }
 
-bool obstacleLeavesBox(
-        const rcr::PlanarShape& shape, const rcr::Pose& at, double margin, const Bound& bound)
+bool obstacleLeavesBox(const Scene& scene, const rcr::PlanarShape& shape, const rcr::Pose& at, Real z,
+        double margin, const Bound& bound)
 {
-	const rcr::BoundingBox box = rcr::boundsOf(shape, at);
-	const auto             out = [&](int axis, double center, double extent) {
-        return center + extent + margin > double(bound.max[axis])
-                || center - extent - margin < double(bound.min[axis]);
+	if (z < bound.min[2] || z > bound.max[2]) return true; // a Wall that was parallel to the plane
+	rcr::BoundingBox box = rcr::boundsOf(shape, at);
+	if (scene.isPeriodic) {
+		const auto unsheared = [&](rcr::Vec2 v) {
+			return plane::toPlane(scene.cell->unshearPt(Vector3r(v.x, v.y, 0)));
+		};
+		const rcr::Pose line
+		        = shape.kind == rcr::PlanarShape::segment ? rcr::segmentPose(shape, at) : at;
+		const rcr::Vec2 along  = unsheared(shape.halfLength * line.axis),
+		                across = unsheared(shape.halfWidth * perp(line.axis));
+		box = { unsheared(line.center),
+			{ std::abs(along.x) + std::abs(across.x), std::abs(along.y) + std::abs(across.y) } };
+	}
+	const Vector3r widening = boxWidening(scene);
+	const double   rounding = 1e-9 * (shape.radius() + margin); // a body at rest fills its box
+	const auto     out      = [&](int axis, double center, double half) {
+        half += margin * double(widening[axis]) - rounding;
+        return center + half > double(bound.max[axis]) || center - half < double(bound.min[axis]);
 	};
 	return out(0, box.center.x, box.half.x) || out(1, box.center.y, box.half.y);
 }

@@ -46,7 +46,9 @@ void regatherBodies(Scene&, const validation::Engines&, rcr::ThreadTeam&,
 bool grainLeavesBox(const Scene&, const rcr::Step&, const rcr::StepBody&, const Vector3r& at,
         const rcr::PlanarVector&, const Bound&);
 
-/// Returns true if an obstacle at this pose, enlarged by `margin` [m], leaves its box.
-bool obstacleLeavesBox(const rcr::PlanarShape&, const rcr::Pose&, double margin, const Bound&);
+/// Returns true if an obstacle at this pose, enlarged by `margin` [m], leaves its box, or if the
+/// box does not reach the plane at z [m].
+bool obstacleLeavesBox(const Scene&, const rcr::PlanarShape&, const rcr::Pose&, Real z,
+        double margin, const Bound&);
 
 } // namespace yade

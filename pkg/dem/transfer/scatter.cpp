@@ -101,14 +101,6 @@ static void deformCell(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strai
 	cell.setVelGrad(gradient);
 }
 
-/// Returns true if a rotating obstacle leaves its box. YADE checks displacements only.
-static bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner,
-        const rcr::PlanarVector& v, double dt, const Bound& bound)
-{
-	return v.rotation != 0 && b.shape.kind >= rcr::PlanarShape::box
-	        && obstacleLeavesBox(b.shape, rcr::poseAfter(b, owner, v, dt), 0, bound);
-}
-
 /// Largest displacement of an image along a base vector in a step [m]. A corner image moves up to
 /// twice as far (PeriodicCell::largestDrift). The boxes of both bodies together cover this.
 static double largestImageDisplacement(const rcr::Step& step)
@@ -121,8 +113,8 @@ static double largestImageDisplacement(const rcr::Step& step)
 	return step.dt * farthest;
 }
 
-/// Requests a run of the collider if a grain, enlarged by its alert distance, or a rotating
-/// obstacle leaves its box. YADE checks displacements only.
+/// Requests a run of the collider if a grain, enlarged by its alert distance, or an obstacle leaves
+/// its box. YADE checks displacements only, neither rotations nor shapes.
 static void requestCollider(
         Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
 {
@@ -145,8 +137,10 @@ static void requestCollider(
 		                        ? grainLeavesBox(scene, step, b,
 		                                handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
 		                                *bound)
-		                        : rotatesOutOfBox(b, step.bodies[b.owner],
-		                                step.problem.velocity[b.owner], step.dt, *bound));
+		                        : obstacleLeavesBox(scene, b.shape,
+		                                rcr::poseAfter(b, step.bodies[b.owner],
+		                                        step.problem.velocity[b.owner], step.dt),
+		                                handles.z, 0, *bound));
 		if (leaves) out.store(true, std::memory_order_relaxed);
 	});
 	if (out) scene.doSort = true;

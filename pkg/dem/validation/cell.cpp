@@ -58,7 +58,10 @@ std::string smallCell(const SceneQuery& v)
 	const Real  size   = v.scene.cell->getSize().minCoeff();
 	for (const auto& b : *v.scene.bodies) {
 		if (!b || !b->shape || b->isClump()) continue;
-		const Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
+		Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
+		if (const auto* facet = dynamic_cast<const Facet*>(b->shape.get())) // not its segment alone
+			for (const Vector3r& corner : facet->vertices)
+				half = math::max(half, corner.norm());
 		if (wider * half + margin < most * size && largestBoxShare * size + margin < most * size)
 			continue;
 		return "the periodic cell is " + text(size) + " wide at its narrowest, "

@@ -1,12 +1,15 @@
 """Pairs that YADE's collider has excluded meet after a change that allows them."""
 
+import math
+
 import numpy as np
 import pytest
 import yade.utils
 import rcr
 from yade import O
+from yade.minieigenHP import Matrix3, Quaternion
 from scenes import (build, calls, engines, exchange, insert, material, set_state, snapshot, solver,
-                    springy, steps)
+                    springy, steps, weightless)
 
 LOWER, UPPER = 1, 2  # discs of the radius 0.1 m; the upper one falls onto the lower one
 
@@ -121,6 +124,57 @@ def test_pairs_meet_after_a_change(scene):
     assert np.array_equal(*ends)
 
 
+OVERLAP = 0.002  # of a disc and a changed obstacle [m]
+
+
+def above(obstacle, **options):
+    """A disc below an obstacle, which overlaps it after a change of shape or direction."""
+    disc = rcr.disc((0.6, 0.6), 0.1, material(0.5))
+    weightless(disc, obstacle, tolerance=1e-4, **options)
+    return O.bodies[1]
+
+
+def turned():
+    segment = above(rcr.segment((0.4 - OVERLAP, 0.8), (1 - OVERLAP, 0.8)), cell=4.0)
+    yield
+    segment.state.ori = Quaternion((0, 0, 1), math.pi / 2)
+
+
+def turned_in_a_sheared_cell():
+    change = turned()
+    next(change)
+    O.cell.hSize = Matrix3(4, 1, 0, 0, 4, 0, 0, 0, 4)
+    yield
+    next(change, None)
+
+
+def becomes_a_wall():
+    wall = above(yade.utils.wall((0, 0.7 - OVERLAP, 5), 2, sense=-1))  # normal to the plane
+    yield
+    wall.shape.axis = 1
+
+
+def longer_box():
+    box = above(yade.utils.box((0.6, 1, 0), (0.1, 0.1, 0.1), fixed=True, material=material(0.5)))
+    yield
+    box.shape.extents = (0.1, 0.3 + OVERLAP, 0.1)
+
+
+@pytest.mark.parametrize("speed", [0, 1e-4])
+@pytest.mark.parametrize("scene", [turned, turned_in_a_sheared_cell, becomes_a_wall, longer_box])
+def test_a_changed_obstacle_displaces_a_disc_that_it_overlaps(scene, speed):
+    change = scene()
+    next(change)
+    O.bodies[0].state.vel = (-speed, 0, 0)
+    steps(10)
+    next(change, None)
+    before = O.bodies[0].state.pos
+    steps(2)
+    assert O.interactions.has(0, 1, True)
+    O.run(1000, True)
+    assert (O.bodies[0].state.pos - before).norm() == pytest.approx(OVERLAP, abs=1.5e-4)
+
+
 def test_springs_between_members_of_a_dissolved_clump():
     change = clumps(law="smooth", damping=0.3)
     O.dt = 1e-4
@@ -172,7 +226,7 @@ def unite():
 
 @pytest.mark.parametrize("arrays", [True, False])
 @pytest.mark.parametrize("scene, shapes, last, lowest", [
-    (loose_box, "Wall and Box", 221, 0.05), (released_box, "Wall and Box", 272, 0.05),
+    (loose_box, "Wall and Box", 225, 0.05), (released_box, "Wall and Box", 275, 0.05),
     (lambda: discs_below_rods(unite, mask=2), "Sphere and Rcr", 51, 0.5),
     (lambda: discs_below_rods(release, fixed=True), "Sphere and Rcr", 400, 0.2),
 ], ids=["loose Box", "released Box", "mask", "released rod"])

@@ -177,6 +177,8 @@ def test_problems_of_a_deforming_cell_are_not_saved(tmp_path):
      "#1 is a Box in a sheared periodic cell; use rcr.segment or fixed Rcrs"),
     (lambda: scene("rigid", rcr.disc((0.3, 0.3), 0.2, material=material()), size=0.7),
      "the periodic cell is 0.7 wide at its narrowest, body #0 has the radius 0.2"),
+    (lambda: O.bodies.append(rcr.segment((0.4, 1), (1, 1))),
+     "the periodic cell is 2 wide at its narrowest, body #1 has the radius 0.6"),
     (lambda: insert(3, PeriTriaxController(dynCell=True, mass=1, goal=(-1, -1, 0), stressMask=3)),
      "PeriTriaxController moves the cell .* use rcr.CellStress"),
     (lambda: insert(3, PeriIsoCompressor(stresses=[-1])), "PeriIsoCompressor .* rcr.CellStress"),
@@ -242,13 +244,14 @@ def test_a_body_that_has_drifted_in_its_box_meets_contacts(shear, gap, speed, dr
     assert solver().deepestOverlap < 1e-3
 
 
-@pytest.mark.parametrize("shear", [0, 0.5])
-def test_grains_at_rest_need_no_collider(shear):
+@pytest.mark.parametrize("size, shear", [(None, 0), (2, 0), (2, 0.5)])
+def test_grains_at_rest_need_no_collider(size, shear):
     """Rounding would otherwise let about half of them leave their boxes."""
     m, rng = material(), np.random.default_rng(4)
     scene("rigid", *(rcr.particle((0.2 * i + 0.01 * rng.uniform(), 0.2 * j), 0.05, 0.3, fixed=True,
-                                  material=m) for i in range(10) for j in range(10)))
-    O.cell.hSize = Matrix3(2, 2 * shear, 0, 0, 2, 0, 0, 0, 2)
+                                  material=m) for i in range(10) for j in range(10)), size=size)
+    if size:
+        O.cell.hSize = Matrix3(2, 2 * shear, 0, 0, 2, 0, 0, 0, 2)
     collider = next(e for e in O.engines if isinstance(e, InsertionSortCollider))
     steps(2)
     before = collider.numAction
