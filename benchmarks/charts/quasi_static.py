@@ -235,7 +235,7 @@ def plot(rows, options):
                             ls="", label=label if k == 0 else None)
         ax.axvline(0, color="k", lw=0.7)
         ax.set(title=f"η = {eta:g}, N = {particles:g}", ylim=(len(names) - 0.5, -0.5),
-               xlabel="change from the settings of the study")
+               xlabel="change from the base setting")
         ax.set_yticks(range(len(names)), [OBSERVED[name] for name in names])
         for k in range(len(names) - 1):
             ax.axhline(k + 0.5, color="0.85", lw=0.5)
