@@ -187,7 +187,7 @@ def colors():
 
 
 def contact_colors():
-    shape = "segments from centre to contact to centre, as thick as the normal force"
+    shape = "segments from centre to contact to centre"
     return named(["contacts", shape], CONTACTS)
 
 

@@ -28,7 +28,7 @@ QUANTITIES = dict(
            lambda p: np.hypot(p.velocity[..., 0], p.velocity[..., 1]), "viridis"),
     pressure=("pressure [Pa]", lambda p: p.pressure, "magma_r"),
     shear_stress=(r"$\sigma_{xy}$ [Pa]", lambda p: p.stress[..., 0, 1], "coolwarm"),
-    coordination=("contacts a grain", lambda p: p.coordination, "YlGnBu"))
+    coordination=("contacts per grain", lambda p: p.coordination, "YlGnBu"))
 
 
 class Profile:
