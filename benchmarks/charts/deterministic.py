@@ -215,5 +215,5 @@ def ratios(rows):
                     growth = math.log(found[longest] / found[shortest])
                     order = f"{growth / math.log(longest / shortest):.1f}"
                 cell = lambda dt: f"{found[dt]:.1e}" if dt in found else ""
-                cells = ["exact" if exact else cell(dt) for dt in steps]
+                cells = ["rounding" if exact else cell(dt) for dt in steps]
                 yield [f"{scene}, {start}", *cells, order]

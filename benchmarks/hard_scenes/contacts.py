@@ -56,7 +56,7 @@ def long_stack(make, clock, mu_floor, gravity, count):
     return sum(map(list.__ne__, seen, seen[1:])) if complete else math.inf
 
 
-CHANGES = "steps of 1000 in which a contact changes its type or points"
+CHANGES = "steps (of 1000) in which a contact changes its type or points"
 
 
 @hard_scene("long parallel RCRs at rest", CHANGES, 0, "nothing moves, so no contact changes")

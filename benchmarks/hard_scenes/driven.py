@@ -25,7 +25,7 @@ from .stage import (DT, G, R, SCENES, ContactDynamics, Smooth, angle, box, build
 
 TITLES = dict(  # of the hard scenes S21 to S26, one a motion
     lid="lid driven into a bed", piston="side wall driven into a bed",
-    receding="lid driven beside a receding wall", shear="shear box whose row sinks",
+    receding="lid driven beside a receding wall", shear="shear box with a row that sinks onto the bed",
     rotating="closed box that turns", wedge="ram between two slopes",
 )  # fmt: skip
 MOTIONS = list(TITLES)
@@ -273,6 +273,6 @@ def staged(make, clock, motion):
 
 SCENES |= {f"s{number}_driven_{motion}": stage.Scene(
     partial(staged, motion=motion), title,
-    "speed of the fastest grain, over ten times the drive plus free fall", 1,
+    "speed of the fastest grain over (10 × speed of the drive + free fall)", 1,
     "a slow drive throws no grain", False)
     for number, (motion, title) in enumerate(TITLES.items(), 21)}

@@ -20,7 +20,7 @@ def _(v):
 
 
 @claim("O2", "P(θ) is isotropic after compaction",
-       "|a_c| below 0.05, or below three standard errors of N random directions, for N contacts")
+       "|a_c| below 0.05, or below three standard errors of as many random directions")
 def _(v):
     a_c, error = require_finite(v["a_c"], "no isotropic.h5"), v["a_c_error"]
     return a_c <= np.maximum(0.05, 3 * error), a_c, error
@@ -117,7 +117,7 @@ def _(v):
 
 
 @claim("O8", "long particles: a bin of contacts close to I_m = 1 stands out",
-       "at the largest η ≥ 0.5 P of the last bin is over twice the mean of the others",
+       "P of the last bin exceeds twice the mean of the others, at the largest η (0.5 or more)",
        etas=(0.5, 1))
 def _(v):
     last, others = v["pdf"][-1, -1], v["pdf"][-1, :-1].mean()
@@ -190,7 +190,7 @@ def _sign_change(v, name):
     return at_every_eta(v["eta"][rows], agrees, value, error)
 
 
-SIGN = "its sign, within two errors, at every η"
+SIGN = "at no η the wrong sign by more than two errors"
 claim("O12", "C(f, ℓ_r) is positive for η ≤ 0.3, negative above", f"{SIGN} (discs have no ℓ_r)")(
     lambda v: _sign_change(v, "c_f_lr"))
 claim("O12", "C(f, ℓ) is positive for η ≤ 0.3, negative above", SIGN)(
@@ -205,7 +205,7 @@ def _(v):
 
 
 @claim("O13", "force above the mean for side-side contacts, well below it for aligned cap-cap ones",
-       "mean force above 1 in the lowest bin of ℓ_r, below 0.8 in the highest, at η ≥ 0.4",
+       "f/⟨f⟩ above 1 in the lowest bin of ℓ_r, below 0.8 in the highest, at η ≥ 0.4",
        etas=(0.4, 1))
 def _(v):
     bins = [means[np.isfinite(means)] for means in v["f_l_r"]]
@@ -255,7 +255,7 @@ def _(v):
 
 
 @claim("O15", "η > 0: a_c(ξ) positive for every ξ",
-       "not below 0 by two errors at any ξ ≥ 0.2, for every η > 0 (lowest value given)", LONG)
+       "above 0, or below it by less than two errors, at every ξ ≥ 0.2 and η > 0 (lowest value given)", LONG)
 def _(v):
     value, error = (v[name][:, v["xi"] >= 0.2] for name in ("a_c", "a_c_error"))
     return (value >= -SIGMAS * known(error)).all(axis=1), value.min(axis=1), error
@@ -269,13 +269,13 @@ def _(v):
 
 
 @claim("O16", "a_ln positive for η ≤ 0.1, negative above",
-       "sign of a_ln(∞), within two errors, at every η")
+       "a_ln(∞) at no η of the wrong sign by more than two errors")
 def _(v):
     value, error = v["a_ln"][:, -1], known(v["a_ln_error"][:, -1])
     return np.where(v["eta"] <= 0.1 + 1e-9, 1, -1) * value > -SIGMAS * error, value, error
 
 
-@claim("O16", "where negative, a_ln has its peak for ξ in [1, 2]",
+@claim("O16", "where negative, a_ln has its minimum for ξ in [1, 2]",
        "lowest at a ξ in [0.9, 2.1] for every η ≥ 0.2 (ξ given; searched up to 6)", etas=(0.2, 1))
 def _(v):
     xi, _, _ = minimum(v, "a_ln")
@@ -283,7 +283,7 @@ def _(v):
 
 
 @claim("O16", "a_lt < 0 and monotonic in ξ",
-       "a_lt(∞) < 0; no rise by more than 10 % of its range or two errors, for every η > 0", LONG)
+       "a_lt(∞) < 0; falls with ξ, up to rises of 10 % of its range or two errors, at every η > 0", LONG)
 def _(v):
     smooth, _ = is_monotonic(v, "a_lt", -1)
     value = v["a_lt"][:, -1]
@@ -299,7 +299,7 @@ def _(v, contacts):
 
 
 @claim("O17", "discs: a_fn(ξ) positive",
-       "not below 0 by two errors at any ξ ≥ 0.2 (lowest value given)", etas=0)
+       "above 0, or below it by less than two errors, at every ξ ≥ 0.2 (lowest value given)", etas=0)
 def _(v):
     value, error = (v[name][v["xi"] >= 0.2] for name in ("a_fn", "a_fn_error"))
     agrees = (value >= -SIGMAS * known(error)).all()
@@ -321,7 +321,7 @@ def _(v):
 
 
 claim("O17", "a_ft rises with ξ",
-      "no fall by more than 10 % of its range or two errors, at every η (largest given)")(
+      "rises, up to falls of 10 % of its range or two errors, at every η (largest fall given)")(
     lambda v: is_monotonic(v, "a_ft", +1))
 claim("O17", "a_ft rises with η", "slope of a_ft(∞) positive beyond two errors")(
     lambda v: trend(v | dict(whole=v["a_ft"][:, -1]), "whole", +1))
