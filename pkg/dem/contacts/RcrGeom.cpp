@@ -7,7 +7,7 @@
 namespace yade {
 
 void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1,
-        const rcr::PlanarShape& two, const rcr::Pose& at2)
+        const rcr::PlanarShape& two, const rcr::Pose& at2, Real z)
 {
 	const double r1 = one.circumscribedRadius(), r2 = two.circumscribedRadius();
 	refR1  = r1 > 0 ? r1 : r2;
@@ -24,7 +24,7 @@ void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr
 	position2 = vector(m.points[1].position), normal2 = vector(m.points[1].normal);
 	const rcr::ManifoldPoint& deepest = m.points[points == 2 && gap[1] < gap[0] ? 1 : 0];
 	normal                            = plane::toSpace(deepest.normal);
-	contactPoint                      = plane::toSpace(deepest.position);
+	contactPoint                      = Vector3r(deepest.position.x, deepest.position.y, z);
 }
 
 rcr::Manifold RcrGeom::manifold() const
@@ -62,7 +62,7 @@ bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Sh
 		if (manifold.count == 0 || !validation::acceptContact(*interaction, *scene)) return false;
 		interaction->geom = boost::make_shared<RcrGeom>();
 	}
-	static_cast<RcrGeom&>(*interaction->geom).set(manifold, one, at1, two, at2);
+	static_cast<RcrGeom&>(*interaction->geom).set(manifold, one, at1, two, at2, state2.pos.z());
 	return true;
 }
 

@@ -11,7 +11,7 @@ public:
 	~RcrGeom() override;
 
 	void          set(const rcr::Manifold&, const rcr::PlanarShape& one, const rcr::Pose& at1,
-	                 const rcr::PlanarShape& two, const rcr::Pose& at2);
+	                 const rcr::PlanarShape& two, const rcr::Pose& at2, Real z);
 	rcr::Manifold manifold() const;
 
 	// clang-format off

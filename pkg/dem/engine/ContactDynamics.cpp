@@ -1,5 +1,6 @@
 #include "dem/engine/ContactDynamics.hpp"
 
+#include "dem/engine/homoDeform.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/ArraySteps.hpp"
 #include "dem/transfer/newContacts.hpp"
@@ -24,7 +25,7 @@ void ContactDynamics::action()
 		const std::string invalid = attributeError();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
-		if (scene->isPeriodic) suppressHomoDeform(overdamped || engines.cellStress);
+		if (scene->isPeriodic) suppressHomoDeform(*scene, overdamped || engines.cellStress);
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();
 		stepThread_ = std::this_thread::get_id();

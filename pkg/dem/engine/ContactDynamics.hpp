@@ -90,7 +90,6 @@ public:
 		((Real,meanForceChange,0,,"Also ends the solver, as converged, once the mean normal force changes relatively less than this in 10 sweeps [-]; 0: not used."))
 		((Vector2r,meanStretchRate,Vector2r::Zero(),Attr::hidden,"Stretch rates along x and y that trackMeanStretch adds to the flow [1/s]."))
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"Change of meanStretchRate in the last step [1/s]."))
-		((int,homoDeformBefore,0,Attr::hidden,"O.cell.homoDeform before this engine set it to 0; 0 if it has not."))
 		((StepMonitor,monitor,,Attr::hidden,"Counts of steps and overlaps."))
 		((EnergyAccount,energy,,Attr::hidden,"Energy of the last step that O.energy does not hold yet.")),
 		/* ctor */,
@@ -119,7 +118,6 @@ private:
 	rcr::Settings settings(const rcr::YieldBounds&) const;
 	rcr::Settings settingsOfFirstPass(const rcr::YieldBounds&);
 	rcr::Settings settingsOfNextPass(rcr::Settings base, PassOutcome) const;
-	void          suppressHomoDeform(bool);
 	void          runSteps(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
 	void          solvePass(const rcr::Settings&);

@@ -102,13 +102,4 @@ void ContactDynamics::updateMeanStretch()
 	setStartFlow();
 }
 
-/// Without inertia and under CellStress, NewtonIntegrator must not add the mean flow of the cell:
-/// homoDeform is then 0. Other steps get the earlier setting back.
-void ContactDynamics::suppressHomoDeform(bool suppress)
-{
-	int& present = scene->cell->homoDeform;
-	if (suppress && present != 0) homoDeformBefore = std::exchange(present, 0);
-	if (!suppress && homoDeformBefore != 0) present = std::exchange(homoDeformBefore, 0);
-}
-
 } // namespace yade

@@ -166,9 +166,9 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 		return "YADE's objects are brought up to date";
 	bool solved = false;
 	for (const auto& engine : scene.engines) {
+		if (engine->dead) continue;
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
-		const auto* periodic
-		        = engine->dead ? nullptr : dynamic_cast<const PeriodicEngine*>(engine.get());
+		const auto* periodic = dynamic_cast<const PeriodicEngine*>(engine.get());
 		if (periodic && isDue(*periodic, solved ? scene.iter : iter, solved ? scene.time : time))
 			return "the engine " + engine->getClassName();
 	}

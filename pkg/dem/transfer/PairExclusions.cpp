@@ -2,10 +2,19 @@
 
 namespace yade {
 
+/// Returns true if one edge or more of a cell has changed by another edge, as O.cell.flipCell does.
+static bool isFlipped(const Matrix3r& before, const Matrix3r& now)
+{
+	const Matrix3r inEdges = before.inverse() * now;
+	return !((inEdges - Matrix3r::Identity()).array().abs().maxCoeff() < 0.5);
+}
+
 std::vector<Body::id_t> PairExclusions::restartIfChanged(Scene& scene, Collider& collider)
 {
 	const mask_t avoided = collider.avoidSelfInteractionMask;
-	const bool   all     = collider_.lock().get() != &collider || avoided != avoided_;
+	const bool   all     = collider_.lock().get() != &collider || avoided != avoided_
+	        || (scene.isPeriodic && isFlipped(edges_, scene.cell->hSize));
+	edges_ = scene.cell->hSize;
 	collider_ = collider.weak_from_this(), avoided_ = avoided;
 	bodies_.resize(scene.bodies->size());
 	std::vector<Body::id_t> changed;

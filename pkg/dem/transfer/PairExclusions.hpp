@@ -1,8 +1,8 @@
 // Properties of a scene by which YADE's collider excludes pairs of bodies.
 //
 // The collider checks them only when two boxes begin to overlap. It misses pairs that a later
-// change allows. After an erasure, a new collider registers only bodies that are inserted later. A
-// change therefore restarts the collider.
+// change allows. After an erasure, a collider that is new, or that a flip of the cell has cleared,
+// registers only bodies that are inserted later. A change therefore restarts the collider.
 #pragma once
 
 #include <tuple>
@@ -15,7 +15,8 @@ namespace yade {
 class PairExclusions {
 public:
 	/// Restarts the collider if properties have changed since the last call. Returns the changed
-	/// bodies, or all bodies if the collider or its mask has changed. The collider may not have
+	/// bodies, or all bodies after a change of the collider or its mask, or a flip of the cell. The
+	/// collider may not have
 	/// listed their contacts of this step; its next run lists all pairs.
 	std::vector<Body::id_t> restartIfChanged(Scene&, Collider&);
 
@@ -26,6 +27,7 @@ private:
 	boost::weak_ptr<Factorable> collider_; // a pointer may repeat the address of a deleted one
 	mask_t                      avoided_ = 0;
 	std::vector<Properties>     bodies_;
+	Matrix3r                    edges_ = Matrix3r::Zero(); // of the cell
 };
 
 } // namespace yade

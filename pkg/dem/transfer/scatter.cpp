@@ -30,27 +30,32 @@ static void writeForces(const rcr::Step& step, const rcr::StepContact& contact, 
 	writeForce(phys, force, normal);
 }
 
-/// Returns the interaction of a pair; creates it if there is none. `shift`: from body 2 to its
-/// image.
-static Interaction& interactionOf(Scene& scene, const rcr::Pair& pair, rcr::Vec2 shift)
+/// Returns the interaction of a pair; creates it if there is none.
+static Interaction& interactionOf(Scene& scene, const rcr::Pair& pair)
 {
 	shared_ptr<Interaction> i = scene.interactions->find(pair.body1, pair.body2);
 	if (!i) {
 		i = boost::make_shared<Interaction>(pair.body1, pair.body2);
-		if (scene.isPeriodic) {
-			const Vector3r cells = scene.cell->hSize.inverse() * plane::toSpace(shift);
-			i->cellDist          = Vector3r(cells.array().round()).cast<int>();
-		}
 		scene.interactions->insert(i);
 	}
 	if (!i->geom && i->getId1() != pair.body1) i->swapOrder();
 	return *i;
 }
 
+/// Returns true if two bodies are so fast that they may meet at two images.
+static bool mayMeetTwice(const rcr::Step& step, const rcr::FoundContact& c)
+{
+	const auto extent = [&](int id) {
+		return step.bodies[id].radius + rcr::detectionReach(step, id);
+	};
+	return extent(c.body1) + extent(c.body2) > 0.5 * step.cell.smallestHeight();
+}
+
 /// Writes the points of a pair to its interaction. Creates the CdPhys of a contact that formed in
 /// arrays (`Pair::formedAt` ≥ 0). `at2`: pose of body 2 or of its image.
 static SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
-        const rcr::Manifold& manifold, const rcr::Step& step, const rcr::Pose& at2)
+        const rcr::Manifold& manifold, const SceneHandles& handles, const rcr::Step& step,
+        const rcr::Pose& at2)
 {
 	if (!i.geom) i.geom = boost::make_shared<RcrGeom>();
 	if (pair.formedAt >= 0) {
@@ -63,7 +68,7 @@ static SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
 	RcrGeom&             geom = static_cast<RcrGeom&>(*i.geom);
 	CdPhys&              phys = static_cast<CdPhys&>(*i.phys);
 	const rcr::StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
-	geom.set(manifold, one.shape, one.pose(), two.shape, at2);
+	geom.set(manifold, one.shape, one.pose(), two.shape, at2, handles.state[pair.body2]->pos.z());
 	phys.points = geom.points;
 	phys.along  = geom.along;
 	return { &geom, &phys, &i, pair.body1, pair.body2, geom.points };
@@ -77,12 +82,18 @@ static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 		step.contacts[k].handleIndex = int(handles.sorted.size());
 		rcr::Pair pair;
 		pair.body1 = found.body1, pair.body2 = found.body2;
-		Interaction& i = interactionOf(scene, pair, found.shift);
+		const bool   isListed = scene.interactions->found(pair.body1, pair.body2);
+		Interaction& i        = interactionOf(scene, pair);
+		// The collider may have listed another image. Fast bodies are detected anew in each step.
+		if (scene.isPeriodic && !i.geom && !(isListed && mayMeetTwice(step, found))) {
+			const Vector3r cells = scene.cell->hSize.inverse() * plane::toSpace(found.shift);
+			i.cellDist           = Vector3r(cells.array().round()).cast<int>();
+		}
 		if (!i.phys) {
 			pair.friction = found.friction, pair.restitution = found.restitution;
 			pair.formedAt = scene.iter;
 		}
-		handles.sorted.push_back(writeContact(i, pair, found.manifold, step,
+		handles.sorted.push_back(writeContact(i, pair, found.manifold, handles, step,
 		        shifted(step.bodies[found.body2].pose(), found.shift)));
 	}
 }
@@ -240,7 +251,7 @@ void ArraySteps::writeBack(
 		if (!lasts[k] && handles.sorted[k].interaction) handles.sorted[k].interaction->reset();
 	for (std::size_t k = 0; k < interaction.size(); ++k)
 		if (made(pairs_.all[k]) && !interaction[k])
-			interaction[k] = &interactionOf(scene, pairs_.all[k], {});
+			interaction[k] = &interactionOf(scene, pairs_.all[k]);
 	std::vector<SceneHandles::Contact> contacts(interaction.size());
 	team.forEach(interaction.size(), [&](std::size_t k) {
 		if (const Interaction* later = interaction[indexAhead(k, interaction.size())]) {
@@ -251,7 +262,7 @@ void ArraySteps::writeBack(
 		const rcr::Pair&     pair     = pairs_.all[k];
 		const rcr::Manifold& manifold = pairs_.manifold[k];
 		contacts[k] = writeContact(
-		        *interaction[k], pair, manifold, step, step.bodies[pair.body2].pose());
+		        *interaction[k], pair, manifold, handles, step, step.bodies[pair.body2].pose());
 		writeForce(*contacts[k].phys, pair.force,
 		        { manifold.points[0].normal, manifold.points[1].normal });
 	});

@@ -84,7 +84,6 @@ std::string bounds(const SceneQuery&);
 // Rules on bodies (bodies.cpp).
 std::string invalidBodies(const SceneQuery&);
 std::string materials(const SceneQuery&);
-std::string obstaclesOutOfPlane(const SceneQuery&);
 
 // Rules on pairs of shapes (pairs.cpp).
 std::string unsupportedPairs(const SceneQuery&);

@@ -69,6 +69,27 @@ Real planeOf(const Scene& scene)
 	return std::numeric_limits<Real>::quiet_NaN();
 }
 
+/// Rejects an obstacle that grains in the plane at z cannot meet. `shape`: in this plane.
+static std::string obstacleError(const Body& b, const rcr::PlanarShape& shape, Real z)
+{
+	const auto name = [&] { return bodyNames({ b.getId() }); };
+	if (shape.kind == rcr::PlanarShape::box) {
+		const Vector3r& half = static_cast<const Box&>(*b.shape).extents;
+		if (!(half[0] >= 0 && half[1] >= 0 && math::isfinite(half[0] + half[1])))
+			return name() + " is a Box with the extents " + coordinates(half)
+			        + ", so nothing would meet it; expected finite half widths ≥ 0.";
+		if (!(math::abs(b.state->pos.z() - z) <= half[2]))
+			return name() + " is a Box at z = " + text(b.state->pos.z())
+			        + " that does not reach the plane z = " + text(z)
+			        + " of the grains, so nothing would meet it; set its z, or its extents.";
+	}
+	if (shape.kind == rcr::PlanarShape::none && dynamic_cast<const Facet*>(b.shape.get()))
+		return name() + " is a Facet that does not cut the plane z = " + text(z)
+		        + " of the grains; a Facet is the segment in which it does: put a corner on either "
+		          "side, or remove it.";
+	return {};
+}
+
 std::string bodyError(const Body& b, const rcr::PlanarShape& shape, Real z)
 {
 	const State& s    = *b.state;
@@ -87,6 +108,8 @@ std::string bodyError(const Body& b, const rcr::PlanarShape& shape, Real z)
 	if (shape.grain() && !(math::abs(s.pos.z() - z) <= sameHeight * (1 + math::abs(z))))
 		return name() + " lies at z = " + text(s.pos.z()) + ", other grains at z = " + text(z)
 		        + ", so they would not meet in the plane; give all the same z.";
+	if (!math::isnan(z)) // of grains
+		if (const std::string error = obstacleError(b, shape, z); !error.empty()) return error;
 	if (shape.kind == rcr::PlanarShape::wall && std::abs(shape.sense) > 1)
 		return name() + " is a Wall with sense = " + std::to_string(shape.sense)
 		        + "; expected +1, −1, or 0 for both sides.";
@@ -271,29 +294,4 @@ std::string materials(const SceneQuery& v)
 }
 
 /// Obstacles without a finite size, or that never meet the plane of the grains.
-std::string obstaclesOutOfPlane(const SceneQuery& v)
-{
-	const Real z = planeOf(v.scene);
-	if (math::isnan(z)) return {};
-	for (const auto& b : *v.scene.bodies) {
-		if (!b || !b->shape || isGrain(*b)) continue;
-		if (const Box* box = dynamic_cast<const Box*>(b->shape.get())) {
-			const Vector3r& half = box->extents;
-			if (!(half[0] >= 0 && half[1] >= 0 && math::isfinite(half[0] + half[1])))
-				return bodyNames({ b->getId() }) + " is a Box with the extents " + coordinates(half)
-				        + ", so nothing would meet it; expected finite half widths ≥ 0.";
-			if (!(math::abs(b->state->pos.z() - z) <= half[2]))
-				return bodyNames({ b->getId() }) + " is a Box at z = " + text(b->state->pos.z())
-				        + " that does not reach the plane z = " + text(z)
-				        + " of the grains, so nothing would meet it; set its z, or its extents.";
-		}
-		if (dynamic_cast<const Facet*>(b->shape.get())
-		        && plane::shapeOf(*b->shape, *b->state, z).kind == rcr::PlanarShape::none)
-			return bodyNames({ b->getId() }) + " is a Facet that does not cut the plane z = "
-			        + text(z) + " of the grains; a Facet is the segment in which it does: put a "
-			          "corner on either side, or remove it.";
-	}
-	return {};
-}
-
 } // namespace yade::validation

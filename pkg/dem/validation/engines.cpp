@@ -104,13 +104,18 @@ std::string finiteMotion(const SceneQuery& v)
 	        + "; expected a finite share, 0 for none.";
 }
 
+/// O.bodies.clear() leaves the contacts, which new bodies then do not know.
 std::string contactsWithoutBodies(const SceneQuery& v)
 {
+	const BodyContainer& bodies  = *v.scene.bodies;
+	const auto           isKnown = [&](Body::id_t id, Body::id_t other) {
+		return std::size_t(id) < bodies.size() && bodies[id] && bodies[id]->intrs.count(other);
+	};
 	for (const auto& i : *v.scene.interactions)
-		if (std::size_t(std::max(i->getId1(), i->getId2())) >= v.scene.bodies->size())
+		if (!isKnown(i->getId1(), i->getId2()) || !isKnown(i->getId2(), i->getId1()))
 			return "the contact of bodies #" + std::to_string(i->getId1()) + " and #"
 			        + std::to_string(i->getId2())
-			        + " is left, but not both bodies; call O.interactions.clear() after "
+			        + " is left, but these bodies are not; call O.interactions.clear() after "
 			          "O.bodies.clear().";
 	return {};
 }

@@ -1,6 +1,7 @@
 #include "dem/validation/SceneQuery.hpp"
 
 #include "dem/engine/CellStress.hpp"
+#include "dem/engine/homoDeform.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/validation/deferredError.hpp"
 
@@ -148,7 +149,6 @@ namespace {
 		{ any,     velocityGradient },
 		{ any,     smallCell },
 		{ any,     invalidBodies },
-		{ any,     obstaclesOutOfPlane },
 		{ any,     unsupportedPairs },
 	};
 	// clang-format on
@@ -235,6 +235,7 @@ std::string prepareRun(Scene& scene)
 	const std::string     error = sceneError(scene);
 	if (!error.empty()) return error;
 	replaceSphereBounds(scene);
+	if (scene.isPeriodic && !view.first<ContactDynamics>()) suppressHomoDeform(scene, false);
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
 	return {};
 }
@@ -338,8 +339,7 @@ bool acceptContact(const Interaction& i, const Scene& scene)
 		passed = now;
 		return true;
 	}
-	// an active ContactDynamics throws it later in this step
-	if (view.indexOf<ContactDynamics>() < 0) deferError(message);
+	deferError(message);
 	return false;
 }
 

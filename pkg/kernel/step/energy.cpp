@@ -7,8 +7,11 @@ StepEnergy stepEnergy(const Step& step, const std::vector<PlanarVector>& impulse
 	StepEnergy            energy;
 	const ContactProblem& problem = step.problem;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
-		const ContactPoint& c      = problem.points[k];
-		const LocalVector   before = step.initialVelocity(c), after = relativeVelocity(problem, c);
+		const ContactPoint& c = problem.points[k];
+		// both with the stretch rate at the end, as the work on the cell
+		const LocalVector after  = relativeVelocity(problem, c),
+		                  before = relativeVelocity(
+		                          c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
 		const double        rubbed = -0.5 * problem.impulse[k].t * (before.t + after.t);
 		// restitution reverses the slip: its energy belongs to the impact
 		const bool          returns = c.bias < 0 && rubbed < 0;

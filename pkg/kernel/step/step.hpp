@@ -196,10 +196,12 @@ struct Step {
 		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].atStart };
 	}
 
-	/// u of a point at the beginning of the step [m/s].
+	/// u of a point at the beginning of the step, before contacts stretch the cell [m/s].
 	LocalVector initialVelocity(const ContactPoint& c) const
 	{
-		return relativeVelocity(c, bodies[c.body1].velocity, bodies[c.body2].velocity);
+		ContactPoint initial = c;
+		initial.drift        = c.freeDrift(problem.stretchRate);
+		return relativeVelocity(initial, bodies[c.body1].velocity, bodies[c.body2].velocity);
 	}
 
 	/// A detected point as a point of the problem, with the bias of the law:

@@ -1,4 +1,4 @@
-"""Checks of the scene before ``O.run``, ``O.step`` and ``O.bodies.erase``, and clean ends of runs.
+"""Checks of the scene before ``O.run`` and of erasures, and clean ends of runs.
 
 pkg/dem/validation holds the rules that reject a scene. This module adds warnings about suspicious
 scenes. Scenes without classes of rcr are not checked. `refuse_unknown_attributes` rejects
@@ -23,11 +23,13 @@ _advised = None  # number and mass of bodies, and time step at the last advice
 
 
 def guard():
-    """Add the checks to methods of O and to O.bodies.erase of this session."""
+    """Add the checks to methods of O, O.bodies and O.interactions of this session."""
     if hasattr(Omega.run, "__wrapped__"):  # an earlier import has added them
         return
     container = type(Omega().bodies)
     container.erase = _checked_erase(container.erase)
+    contacts = type(Omega().interactions)
+    contacts.eraseNonReal = _refused_erase_non_real(contacts.eraseNonReal)
     Omega.run = _guarded(_recorded()(_raising()(_responsive(Omega.run))))
     Omega.step = _guarded(_recorded()(_raising()(Omega.step)))
     Omega.pause = _recorded()(_after_step()(Omega.pause))
@@ -157,6 +159,23 @@ def _checked_erase(erase):
                 f"rcr: body #{id} cannot be erased from a periodic cell whose collider has run, "
                 "because it may then hang; put a new InsertionSortCollider into O.engines first")
         return erase(bodies, id, *arguments, **keywords)
+
+    return wrapped
+
+
+def _refused_erase_non_real(erase):
+    """O.interactions.eraseNonReal, refused with classes of rcr.
+
+    The collider lists an erased pair again only when the boxes of its bodies meet anew.
+    """
+
+    @functools.wraps(erase)
+    def wrapped(interactions, *arguments, **keywords):
+        if _plugin.uses_rcr():
+            raise ValueError(
+                "rcr: after O.interactions.eraseNonReal() the collider would miss contacts; "
+                "leave these interactions, or call O.interactions.clear()")
+        return erase(interactions, *arguments, **keywords)
 
     return wrapped
 

@@ -240,6 +240,23 @@ def test_same_bits_after_reload(scene, tmp_path):
     assert after(scene, True, reload=tmp_path / "half.xml.gz")[0] == expected
 
 
+SEEN = []
+
+
+def see():
+    SEEN.append(O.iter)
+
+
+@pytest.mark.parametrize("arrays", [True, False])
+def test_a_dead_solver_delays_no_engine(arrays):
+    mixed()
+    solver().tuning = dict(arrays=arrays)
+    insert(3, rcr.ContactDynamics(dead=True), calls(see, 10))
+    SEEN.clear()
+    O.run(41, True)
+    assert SEEN == [10, 20, 30, 40]
+
+
 def test_a_run_ends_at_its_step_or_time_or_by_a_pause():
     mixed()
     O.run(17, True)

@@ -85,6 +85,13 @@ def test_lever_arms_are_those_of_the_forces():
     assert contacts["force"][0] @ contacts["normal"][0] > 0
 
 
+def test_contact_points_lie_in_the_plane_of_the_grains():
+    m = material()
+    build(rcr.wall("y", 0, 1, material=m), *(rcr.disc((0, y, 3), 0.1, m) for y in (0.1, 0.3)))
+    steps(5)
+    assert [i.geom.contactPoint[2] for i in O.interactions] == [3, 3]
+
+
 def test_contacts_across_the_edge_of_a_cell():
     """Two discs touch across the edge: arms are a radius long, not a period."""
     weightless(*(rcr.particle((3, y), 0.5, 0, material=material()) for y in (0.499, 7.5)), cell=2,

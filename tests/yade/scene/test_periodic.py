@@ -265,6 +265,67 @@ def pressed_row(size):
             size=size, stress=(50, math.nan), tolerance=1e-8, maxIterations=5000)
 
 
+def falling_disc(at, below):
+    """A disc without weight that falls at 1 m/s onto a fixed disc; R = 0.01 m, side 0.2 m."""
+    m = material(0)
+    scene("rigid", rcr.disc(below, 0.01, m, fixed=True), rcr.disc(at, 0.01, m, velocity=(0, -1)),
+          size=0.2)
+    O.engines[1].verletDist = 0.001
+
+
+def test_discs_meet_in_a_flipped_cell_after_an_erasure():
+    """YADE's flip clears the collider, which after an erasure lists new bodies only."""
+    falling_disc((0.05, 0.15), (0.05, 0.05))
+    O.bodies.erase(O.bodies.append(rcr.disc((0.15, 0.15), 0.01)))
+    O.cell.hSize = Matrix3(0.2, 0.15, 0, 0, 0.2, 0, 0, 0, 0.2)
+    steps(5)
+    O.cell.flipCell()
+    O.run(120, True)
+    assert O.bodies[1].state.pos[1] == pytest.approx(0.07, abs=1e-4)
+
+
+@pytest.mark.parametrize("gap", [0, 1e-3, 4e-3])
+def test_a_grain_that_a_script_wraps_keeps_its_contact(gap):
+    """The collider lists its pair at the image of before."""
+    falling_disc((0.1, 0.015 + gap), (0.1, -0.005))
+    O.bodies[1].state.vel = (0, 0, 0)
+    O.engines[-1].gravity = (0, -9.81, 0)
+    steps(30)
+    fixed = O.bodies[0].state
+    fixed.pos = O.cell.wrap(fixed.pos)
+    O.run(60, True)
+    assert O.bodies[1].state.pos[1] == pytest.approx(0.015, abs=1e-4)
+
+
+@pytest.mark.parametrize("change", [
+    lambda: exchange(rcr.ContactDynamics()), lambda: setattr(solver(), "overdamped", False),
+    lambda: (O.saveTmp(), O.loadTmp(), exchange(rcr.ContactDynamics())),
+], ids=["new engine", "overdamped=False", "new engine after a reload"])
+def test_a_cell_moves_its_bodies_again_after_steps_without_inertia(change):
+    """The mean flow of a shear at 0.5/s moves two discs at y = 0.05 and 0.15 m."""
+    m = material(0)
+    scene("rigid", *(rcr.disc((0.1, y), 0.01, m) for y in (0.05, 0.15)), size=0.2, overdamped=True)
+    O.engines[1].verletDist = 0.001
+    steps(5)
+    assert O.cell.homoDeform == 0
+    change()
+    O.cell.velGrad = plane(0, 0.5, 0, 0)
+    steps(10)
+    assert O.cell.homoDeform == 2 and "rcr.homoDeform" not in O.tags.keys()
+    assert O.bodies[1].state.vel[0] - O.bodies[0].state.vel[0] == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("e", [0, 0.2, 0.9])
+def test_two_discs_rebound_across_the_edge_of_a_pressed_cell(e):
+    """The stress is 0, so the stretch rate g is that of the impact; u_n⁺ = −e u_n⁻."""
+    m = material(0)
+    pressed(rcr.disc((2 - 0.105, 1), 0.1, m, velocity=(1, 0)),
+            rcr.disc((0.105, 1), 0.1, m, velocity=(-1, 0)), stress=(0, math.nan), restitution=e)
+    steps(20)
+    one, two = (body.state.vel[0] for body in O.bodies)
+    assert (two - one + 2 * O.cell.velGrad[0, 0]) / 2 == pytest.approx(e, abs=1e-3)
+
+
 @pytest.mark.parametrize("overdamped", [False, True])
 def test_a_flipped_cell_answers_a_stress_as_before(overdamped):
     """YADE's flip chooses other edges of the same lattice, here a first edge with a slope."""

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import (LAWS, assert_refused, build, grain_on_floor, insert, material, plane,
+from scenes import (LAWS, assert_refused, build, calls, grain_on_floor, insert, material, plane,
                     prescribe, python, refused, resting, set_state, snapshot, solver, stadium,
                     steps, wait_until, without)
 from yade import O, utils
@@ -487,8 +487,38 @@ def test_cohesive_materials_are_refused(law, height, run):
     refused("has the material CohFrictMat .* give it a FrictMat", run)
 
 
-def test_contacts_that_outlive_their_bodies_are_refused():
+@pytest.mark.parametrize("again", [False, True])
+def test_contacts_that_outlive_their_bodies_are_refused(again):
     grain_on_floor(0)
     steps(3)
     O.bodies.clear()
+    if again:
+        rough = material(0.5)
+        O.bodies.append([rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough)])
     refused(r"call O.interactions.clear\(\) after O.bodies.clear\(\)", O.step)
+
+
+def test_an_erasure_of_pairs_that_the_collider_has_listed_is_refused():
+    grain_on_floor(0)
+    steps(3)
+    refused(r"eraseNonReal\(\) the collider would miss contacts", O.interactions.eraseNonReal)
+
+
+def lift():
+    O.bodies[2].state.pos += Vector3(0, 0, 5)
+
+
+@pytest.mark.parametrize("arrays", [True, False])
+@pytest.mark.parametrize("obstacle, match", [
+    (lambda: rcr.segment((1, 0), (1, 1)), "#2 is a Facet that does not cut the plane"),
+    (lambda: utils.box((1, 0, 0), (0.1, 0.1, 0.1), fixed=True), "#2 is a Box at z = 5"),
+], ids=["segment", "box"])
+def test_an_obstacle_that_leaves_the_plane_in_a_run_is_refused(obstacle, match, arrays):
+    """The grain falls onto the floor after the obstacle has left."""
+    grain_on_floor(0, height=0.3, tolerance=1e-4)
+    O.bodies.append([obstacle(), *(rcr.disc((2 + 0.3 * k, 0.3), 0.1) for k in range(5))])
+    solver().tuning = dict(arrays=arrays)
+    insert(4, calls(lift, 20, nDo=2))
+    with pytest.raises(RuntimeError, match=match):
+        O.run(400, True)
+    assert O.iter < 50 and O.bodies[1].state.pos[1] > 0.2
