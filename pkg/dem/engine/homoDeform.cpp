@@ -12,7 +12,7 @@ void suppressHomoDeform(Scene& scene, bool suppress)
 		if (tag != scene.tags.end()) scene.tags.erase(tag);
 		scene.tags.push_back(key + std::to_string(std::exchange(present, 0)));
 	} else if (!suppress && tag != scene.tags.end()) {
-		present = std::stoi(tag->substr(key.size()));
+		if (present == 0) present = std::atoi(tag->c_str() + key.size()); // else a script has set it
 		scene.tags.erase(tag);
 	}
 }

@@ -2,19 +2,20 @@
 
 namespace yade {
 
-/// Returns true if one edge or more of a cell has changed by another edge, as O.cell.flipCell does.
+/// Returns true if an edge of a cell has changed by half an edge or more, as in O.cell.flipCell.
 static bool isFlipped(const Matrix3r& before, const Matrix3r& now)
 {
-	const Matrix3r inEdges = before.inverse() * now;
+	const Matrix3r inEdges = before.inverse() * now; // not finite without a cell before
 	return !((inEdges - Matrix3r::Identity()).array().abs().maxCoeff() < 0.5);
 }
 
 std::vector<Body::id_t> PairExclusions::restartIfChanged(Scene& scene, Collider& collider)
 {
 	const mask_t avoided = collider.avoidSelfInteractionMask;
-	const bool   all     = collider_.lock().get() != &collider || avoided != avoided_
-	        || (scene.isPeriodic && isFlipped(edges_, scene.cell->hSize));
-	edges_ = scene.cell->hSize;
+	const Matrix3r edges = scene.isPeriodic ? scene.cell->hSize : Matrix3r(Matrix3r::Zero());
+	const bool     all   = collider_.lock().get() != &collider || avoided != avoided_
+	        || (edges != edges_ && isFlipped(edges_, edges));
+	edges_ = edges;
 	collider_ = collider.weak_from_this(), avoided_ = avoided;
 	bodies_.resize(scene.bodies->size());
 	std::vector<Body::id_t> changed;

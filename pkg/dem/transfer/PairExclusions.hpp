@@ -15,9 +15,9 @@ namespace yade {
 class PairExclusions {
 public:
 	/// Restarts the collider if properties have changed since the last call. Returns the changed
-	/// bodies, or all bodies after a change of the collider or its mask, or a flip of the cell. The
-	/// collider may not have
-	/// listed their contacts of this step; its next run lists all pairs.
+	/// bodies, or all bodies after a change of the collider, its mask or the kind of cell, or if an
+	/// edge has changed by half an edge, as in a flip. The collider may not have listed their
+	/// contacts of this step; its next run lists all pairs.
 	std::vector<Body::id_t> restartIfChanged(Scene&, Collider&);
 
 private:
@@ -27,7 +27,7 @@ private:
 	boost::weak_ptr<Factorable> collider_; // a pointer may repeat the address of a deleted one
 	mask_t                      avoided_ = 0;
 	std::vector<Properties>     bodies_;
-	Matrix3r                    edges_ = Matrix3r::Zero(); // of the cell
+	Matrix3r                    edges_ = Matrix3r::Zero(); // of the periodic cell; 0: none
 };
 
 } // namespace yade

@@ -107,7 +107,7 @@ namespace {
 		/// then not list all its contacts. An example is a velocity set by a script.
 		bool mayLackContacts(const Body& b, const rcr::StepBody& body) const
 		{
-			if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
+			if (!b.bound) return false;
 			return body.shape.grain()
 			        ? grainLeavesBox(scene_, step_, body, b.state->pos, body.velocity, *b.bound)
 			        : obstacleLeavesBox(scene_, body.shape, body.pose(), handles_.z,
@@ -263,10 +263,14 @@ bool grainLeavesBox(const Scene& scene, const rcr::Step& step, const rcr::StepBo
 	return false;
 }
 
-bool obstacleLeavesBox(const Scene& scene, const rcr::PlanarShape& shape, const rcr::Pose& at, Real z,
-        double margin, const Bound& bound)
+bool obstacleLeavesBox(const Scene& scene, const rcr::PlanarShape& shape, const rcr::Pose& at,
+        Real z, double margin, const Bound& bound)
 {
-	if (z < bound.min[2] || z > bound.max[2]) return true; // a Wall that was parallel to the plane
+	if (shape.kind == rcr::PlanarShape::none) return false;
+	const double rounding = 1e-9 * (shape.radius() + margin); // a body at rest fills its box
+	const Real   slack    = 1e-9 * (bound.max[2] - bound.min[2]);
+	// a Wall that was parallel to the plane
+	if (z < bound.min[2] - slack || z > bound.max[2] + slack) return true;
 	rcr::BoundingBox box = rcr::boundsOf(shape, at);
 	if (scene.isPeriodic) {
 		const auto unsheared = [&](rcr::Vec2 v) {
@@ -274,13 +278,10 @@ bool obstacleLeavesBox(const Scene& scene, const rcr::PlanarShape& shape, const 
 		};
 		const rcr::Pose line
 		        = shape.kind == rcr::PlanarShape::segment ? rcr::segmentPose(shape, at) : at;
-		const rcr::Vec2 along  = unsheared(shape.halfLength * line.axis),
-		                across = unsheared(shape.halfWidth * perp(line.axis));
-		box = { unsheared(line.center),
-			{ std::abs(along.x) + std::abs(across.x), std::abs(along.y) + std::abs(across.y) } };
+		box = rcr::boundsOf(unsheared(line.center), unsheared(shape.halfLength * line.axis),
+		        unsheared(shape.halfWidth * perp(line.axis)));
 	}
 	const Vector3r widening = boxWidening(scene);
-	const double   rounding = 1e-9 * (shape.radius() + margin); // a body at rest fills its box
 	const auto     out      = [&](int axis, double center, double half) {
         half += margin * double(widening[axis]) - rounding;
         return center + half > double(bound.max[axis]) || center - half < double(bound.min[axis]);

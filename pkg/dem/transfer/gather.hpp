@@ -47,7 +47,7 @@ bool grainLeavesBox(const Scene&, const rcr::Step&, const rcr::StepBody&, const 
         const rcr::PlanarVector&, const Bound&);
 
 /// Returns true if an obstacle at this pose, enlarged by `margin` [m], leaves its box, or if the
-/// box does not reach the plane at z [m].
+/// box does not reach the plane of the grains, at the height z [m].
 bool obstacleLeavesBox(const Scene&, const rcr::PlanarShape&, const rcr::Pose&, Real z,
         double margin, const Bound&);
 

@@ -42,15 +42,6 @@ static Interaction& interactionOf(Scene& scene, const rcr::Pair& pair)
 	return *i;
 }
 
-/// Returns true if two bodies are so fast that they may meet at two images.
-static bool mayMeetTwice(const rcr::Step& step, const rcr::FoundContact& c)
-{
-	const auto extent = [&](int id) {
-		return step.bodies[id].radius + rcr::detectionReach(step, id);
-	};
-	return extent(c.body1) + extent(c.body2) > 0.5 * step.cell.smallestHeight();
-}
-
 /// Writes the points of a pair to its interaction. Creates the CdPhys of a contact that formed in
 /// arrays (`Pair::formedAt` ≥ 0). `at2`: pose of body 2 or of its image.
 static SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
@@ -85,7 +76,7 @@ static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 		const bool   isListed = scene.interactions->found(pair.body1, pair.body2);
 		Interaction& i        = interactionOf(scene, pair);
 		// The collider may have listed another image. Fast bodies are detected anew in each step.
-		if (scene.isPeriodic && !i.geom && !(isListed && mayMeetTwice(step, found))) {
+		if (scene.isPeriodic && !i.geom && !(isListed && rcr::mayMeetTwice(step, found.body1, found.body2))) {
 			const Vector3r cells = scene.cell->hSize.inverse() * plane::toSpace(found.shift);
 			i.cellDist           = Vector3r(cells.array().round()).cast<int>();
 		}

@@ -293,5 +293,4 @@ std::string materials(const SceneQuery& v)
 	return {};
 }
 
-/// Obstacles without a finite size, or that never meet the plane of the grains.
 } // namespace yade::validation

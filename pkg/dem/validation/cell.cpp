@@ -45,6 +45,15 @@ std::string velocityGradient(const SceneQuery& v)
 	          "rectangular.";
 }
 
+/// Bounds the half box of a Facet in any direction.
+static Real halfLongestEdge(const Facet& facet)
+{
+	Real longest = 0;
+	for (int k = 0; k < 3; ++k)
+		longest = math::max(longest, (facet.vertices[k] - facet.vertices[(k + 1) % 3]).norm());
+	return longest / 2;
+}
+
 /// Rejects cells in which YADE's collider would end the process, since a body spans half of the
 /// cell.
 std::string smallCell(const SceneQuery& v)
@@ -59,9 +68,8 @@ std::string smallCell(const SceneQuery& v)
 	for (const auto& b : *v.scene.bodies) {
 		if (!b || !b->shape || b->isClump()) continue;
 		Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
-		if (const auto* facet = dynamic_cast<const Facet*>(b->shape.get())) // not its segment alone
-			for (const Vector3r& corner : facet->vertices)
-				half = math::max(half, corner.norm());
+		if (b->shape->getClassIndex() == Facet::getClassIndexStatic()) // not its segment alone
+			half = halfLongestEdge(static_cast<const Facet&>(*b->shape));
 		if (wider * half + margin < most * size && largestBoxShare * size + margin < most * size)
 			continue;
 		return "the periodic cell is " + text(size) + " wide at its narrowest, "

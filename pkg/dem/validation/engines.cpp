@@ -107,15 +107,19 @@ std::string finiteMotion(const SceneQuery& v)
 /// O.bodies.clear() leaves the contacts, which new bodies then do not know.
 std::string contactsWithoutBodies(const SceneQuery& v)
 {
-	const BodyContainer& bodies  = *v.scene.bodies;
-	const auto           isKnown = [&](Body::id_t id, Body::id_t other) {
+	const BodyContainer& bodies = *v.scene.bodies;
+	std::size_t          known  = 0; // by both bodies
+	for (const auto& b : *v.scene.bodies)
+		if (b) known += b->intrs.size();
+	if (known == 2 * v.scene.interactions->size()) return {};
+	const auto isKnown = [&](Body::id_t id, Body::id_t other) {
 		return std::size_t(id) < bodies.size() && bodies[id] && bodies[id]->intrs.count(other);
 	};
 	for (const auto& i : *v.scene.interactions)
 		if (!isKnown(i->getId1(), i->getId2()) || !isKnown(i->getId2(), i->getId1()))
 			return "the contact of bodies #" + std::to_string(i->getId1()) + " and #"
 			        + std::to_string(i->getId2())
-			        + " is left, but these bodies are not; call O.interactions.clear() after "
+			        + " is left from removed bodies; call O.interactions.clear() after "
 			          "O.bodies.clear().";
 	return {};
 }

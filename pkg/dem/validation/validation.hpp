@@ -118,8 +118,8 @@ bool isFrictional(const Material*);
 /// Returns true if both bodies have a FrictMat; otherwise defers an error to Python.
 bool requireFrictMat(const Scene&, Body::id_t id1, Body::id_t id2);
 /// Returns true if the interaction may become a contact. Its bodies must have a FrictMat, YADE must
-/// allow the pair, and the scene must be valid. Defers errors of materials, and of scenes without
-/// ContactDynamics, to Python.
+/// allow the pair, and the scene must be valid. ContactDynamics throws the error of the scene later
+/// in this step. Errors of materials, and of scenes without ContactDynamics, are deferred to Python.
 bool acceptContact(const Interaction&, const Scene&);
 
 bool isGrain(const Body&);  // an Rcr or a disc

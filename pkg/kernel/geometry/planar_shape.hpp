@@ -61,6 +61,13 @@ struct BoundingBox {
 	Vec2 center, half;
 };
 
+/// The bounding box of a parallelogram with these half edges [m].
+inline BoundingBox boundsOf(Vec2 center, Vec2 along, Vec2 across)
+{
+	return { center,
+		{ std::abs(along.x) + std::abs(across.x), std::abs(along.y) + std::abs(across.y) } };
+}
+
 /// The bounding box of a shape. A wall is infinite along its line.
 inline BoundingBox boundsOf(const PlanarShape& s, const Pose& body)
 {
@@ -70,8 +77,7 @@ inline BoundingBox boundsOf(const PlanarShape& s, const Pose& body)
 	if (s.grain())
 		return { body.center, halfExtent(Stadium { s.halfLength, s.halfWidth }, body.axis) };
 	const auto [center, axis] = s.kind == PlanarShape::segment ? segmentPose(s, body) : body;
-	return { center, { std::abs(axis.x) * s.halfLength + std::abs(axis.y) * s.halfWidth,
-		               std::abs(axis.y) * s.halfLength + std::abs(axis.x) * s.halfWidth } };
+	return boundsOf(center, s.halfLength * axis, s.halfWidth * perp(axis));
 }
 
 /// R₁ + R₂ of a pair [m], the scale of overlaps. An obstacle has the radius of the grain.

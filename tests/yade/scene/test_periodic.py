@@ -9,7 +9,7 @@ from scenes import (LAWS, assert_refused, assert_reload_changes_nothing, build, 
                     insert, kinetic, material, plane, refused, shrinking_cell, snapshot, solver,
                     springy, steps, without)
 from yade import O, utils
-from yade.minieigenHP import Matrix3
+from yade.minieigenHP import Matrix3, Quaternion
 from yade.wrapper import (InsertionSortCollider, Peri3dController, PeriIsoCompressor,
                           PeriTriaxController)
 
@@ -265,23 +265,54 @@ def pressed_row(size):
             size=size, stress=(50, math.nan), tolerance=1e-8, maxIterations=5000)
 
 
-def falling_disc(at, below):
+def falling_disc(at, below, law="rigid"):
     """A disc without weight that falls at 1 m/s onto a fixed disc; R = 0.01 m, side 0.2 m."""
-    m = material(0)
-    scene("rigid", rcr.disc(below, 0.01, m, fixed=True), rcr.disc(at, 0.01, m, velocity=(0, -1)),
-          size=0.2)
+    m = springy(0)
+    scene(law, rcr.disc(below, 0.01, m, fixed=True), rcr.disc(at, 0.01, m, velocity=(0, -1)),
+          size=0.2, dt=1e-3 if law == "rigid" else 1e-5)
     O.engines[1].verletDist = 0.001
 
 
-def test_discs_meet_in_a_flipped_cell_after_an_erasure():
-    """YADE's flip clears the collider, which after an erasure lists new bodies only."""
-    falling_disc((0.05, 0.15), (0.05, 0.05))
-    O.bodies.erase(O.bodies.append(rcr.disc((0.15, 0.15), 0.01)))
-    O.cell.hSize = Matrix3(0.2, 0.15, 0, 0, 0.2, 0, 0, 0, 0.2)
-    steps(5)
+def flip(shear=0.8):
+    O.cell.hSize = Matrix3(0.2, 0.2 * shear, 0, 0, 0.2, 0, 0, 0, 0.2)
+    steps(1)
     O.cell.flipCell()
-    O.run(120, True)
-    assert O.bodies[1].state.pos[1] == pytest.approx(0.07, abs=1e-4)
+
+
+@LAWS
+@pytest.mark.parametrize("clear", [flip, lambda: setattr(O, "periodic", False)],
+                         ids=["flip", "O.periodic = False"])
+def test_discs_meet_after_an_erasure_although_yade_clears_the_collider(clear, law):
+    """After an erasure, YADE's collider would then list new bodies only."""
+    falling_disc((0.05, 0.15), (0.05, 0.05), law)
+    O.bodies.erase(O.bodies.append(rcr.disc((0.15, 0.15), 0.01)))
+    steps(5)
+    clear()
+    while O.time < 0.12:
+        steps(100 if law == "smooth" else 1)
+    assert O.bodies[1].state.pos[1] > 0.069
+
+
+def test_a_script_sets_how_a_cell_moves_its_bodies_after_steps_without_inertia():
+    scene("rigid", rcr.disc((1, 1), 0.1), overdamped=True)
+    steps(2)
+    solver().overdamped = False
+    O.cell.homoDeform = 1
+    steps(1)
+    assert O.cell.homoDeform == 1
+
+
+@pytest.mark.parametrize("obstacle", [
+    lambda: utils.wall((0, 0, 5), 2), lambda: rcr.segment((0.2, 0.1), (0.5, 0.3)),
+    lambda: utils.box((0, 0, 0.01), (0.1, 0.1, 0.03), Quaternion((0, 0, 1), 0.3), fixed=True),
+], ids=["wall parallel to the plane", "segment", "box that ends in the plane"])
+def test_obstacles_at_rest_need_no_collider(obstacle):
+    build(rcr.disc((1, 1, -0.02), 0.1, material()), gravity=(0, 0, 0))
+    O.bodies.append(obstacle())
+    steps(2)
+    before = O.engines[1].numAction
+    steps(20)
+    assert O.engines[1].numAction == before
 
 
 @pytest.mark.parametrize("gap", [0, 1e-3, 4e-3])

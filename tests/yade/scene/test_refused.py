@@ -504,6 +504,25 @@ def test_an_erasure_of_pairs_that_the_collider_has_listed_is_refused():
     refused(r"eraseNonReal\(\) the collider would miss contacts", O.interactions.eraseNonReal)
 
 
+def spoil():
+    O.bodies[1].mat.frictionAngle = 2  # in degrees
+
+
+def test_a_scene_that_becomes_faulty_is_refused_at_its_next_contact():
+    """One error; the scene continues after the fault is mended."""
+    disc = grain_on_floor(0, height=0.3, tolerance=1e-4)
+    O.trackEnergy = True  # steps by YADE's engines
+    insert(4, calls(spoil, 20, nDo=2))
+    with pytest.raises(RuntimeError, match="rcr: body #.* has the friction angle 2"):
+        O.run(400, True)
+    O.wait()
+    fallen = O.bodies[disc].state.pos[1]
+    assert 0.1 < fallen < 0.12
+    O.bodies[disc].mat.frictionAngle = 0.4
+    O.run(50, True)
+    assert O.bodies[disc].state.pos[1] == pytest.approx(0.1, abs=1e-3)
+
+
 def lift():
     O.bodies[2].state.pos += Vector3(0, 0, 5)
 

@@ -255,7 +255,8 @@ def _(v):
 
 
 @claim("O15", "η > 0: a_c(ξ) positive for every ξ",
-       "above 0, or below it by less than two errors, at every ξ ≥ 0.2 and η > 0 (lowest value given)", LONG)
+       "above 0, or below it by less than two errors, at every ξ ≥ 0.2 and η > 0 "
+       "(lowest value given)", LONG)
 def _(v):
     value, error = (v[name][:, v["xi"] >= 0.2] for name in ("a_c", "a_c_error"))
     return (value >= -SIGMAS * known(error)).all(axis=1), value.min(axis=1), error
@@ -283,7 +284,8 @@ def _(v):
 
 
 @claim("O16", "a_lt < 0 and monotonic in ξ",
-       "a_lt(∞) < 0; falls with ξ, up to rises of 10 % of its range or two errors, at every η > 0", LONG)
+       "a_lt(∞) < 0; falls with ξ, up to rises of 10 % of its range or two errors, at every η > 0",
+       LONG)
 def _(v):
     smooth, _ = is_monotonic(v, "a_lt", -1)
     value = v["a_lt"][:, -1]
