@@ -494,7 +494,7 @@ def test_contacts_that_outlive_their_bodies_are_refused(again):
     O.bodies.clear()
     if again:
         rough = material(0.5)
-        O.bodies.append([rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough)])
+        O.bodies.append([rcr.wall("y", 0, material=rough), rcr.disc((0, 0.1), 0.1, rough)])
     refused(r"call O.interactions.clear\(\) after O.bodies.clear\(\)", O.step)
 
 

@@ -301,7 +301,8 @@ def _(v, contacts):
 
 
 @claim("O17", "discs: a_fn(ξ) positive",
-       "above 0, or below it by less than two errors, at every ξ ≥ 0.2 (lowest value given)", etas=0)
+       "above 0, or below it by less than two errors, at every ξ ≥ 0.2 (lowest value given)",
+       etas=0)
 def _(v):
     value, error = (v[name][v["xi"] >= 0.2] for name in ("a_fn", "a_fn_error"))
     agrees = (value >= -SIGMAS * known(error)).all()
