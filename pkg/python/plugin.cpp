@@ -104,6 +104,16 @@ void awaitEnd()
 	Py_END_ALLOW_THREADS;
 }
 
+void recordEnd()
+{
+	lastEnd.record(scene());
+	for (const auto& engine : scene().engines)
+		if (auto* solver = dynamic_cast<yade::ContactDynamics*>(engine.get())) {
+			solver->scene = &scene();
+			solver->endObservation();
+		}
+}
+
 } // namespace
 
 BOOST_PYTHON_MODULE(_plugin)
@@ -119,8 +129,9 @@ BOOST_PYTHON_MODULE(_plugin)
 	registerClasses();
 	py::def(
 	        "prepare_run", +[] {
-		        lastEnd = {}; // O.iter stays that of the record within the next step
-		        return yade::validation::prepareRun(scene());
+		        const std::string error = yade::validation::prepareRun(scene());
+		        if (error.empty()) lastEnd = {}; // O.iter stays the same within the next step
+		        return error;
 	        },
 	        "Prepare a run. Returns the error of an unsupported scene, with a remedy; else ''.");
 	py::def("take_error", yade::takeError,
@@ -134,8 +145,8 @@ BOOST_PYTHON_MODULE(_plugin)
 	        "Warnings for suspicious scenes, a list of texts. `union_area(ids)`: area of the union\n"
 	        "of grains [m²].");
 	py::def("total_mass", totalMass, "Sum of the masses of all bodies, a fingerprint of them.");
-	py::def("record_end", +[] { lastEnd.record(scene()); },
-	        "Record time step and velocities at the end of a step.");
+	py::def("record_end", recordEnd,
+	        "Record time step, velocities and observed positions at the end of a step.");
 	py::def("change_since_end", +[] { return lastEnd.change(scene()); },
 	        "What differs from the record of this step; empty: nothing, or no record.");
 	py::def("planar_clump", planarClump,

@@ -106,6 +106,8 @@ def clump(members, mass=None, inertia=None):
         if state.blockedDOFs != "zXY" or any(state.vel) or any(state.angVel):
             raise ValueError(f"members[{number}] is fixed or moves; block or move the clump "
                              "instead: O.bodies[id].state")
+    if known := [b.id for b in members if b.id >= 0]:
+        raise ValueError(f"members holds body #{known[0]} of a scene; expected new bodies")
     if len({id(b) for b in members}) < len(members):
         raise ValueError("members holds a body twice; expected each body once")
     area, (x, y), polar_moment = _outlines.union(_outlines_of(members))

@@ -163,8 +163,9 @@ def main():
             raise script.Stopped(f"stopped; {CONTINUE}") from None
     if failed:
         sys.exit(failure(out, folders))  # in full: script.run shortens the messages of exceptions
-    if "--dry-run" not in extra:
-        print(out / last_line(out / "report" / "log"))
+    log = out / "report" / "log"
+    if not {"-n", "--dry-run", "--dryrun"} & set(extra) and log.exists():  # else nothing ran
+        print(out / last_line(log))
 
 
 script.run(main)

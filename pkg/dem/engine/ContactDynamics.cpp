@@ -44,6 +44,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 		energy = {};
 		set<&ContactDynamics::monitor>(StepMonitor {});
 		meanStretchRate = Vector2r::Zero();
+		observer_.restart();
 	}
 	rcr::ThreadTeam& team  = workspace_.team();
 	step_.overdamped = overdamped;

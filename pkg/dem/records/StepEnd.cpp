@@ -41,6 +41,7 @@ std::string changeSince(
 
 void StepEnd::record(const Scene& scene)
 {
+	if (iter_ == scene.iter && velocity_.size() > 0 && scene_.lock().get() == &scene) return;
 	scene_ = scene.weak_from_this();
 	iter_  = scene.iter;
 	dt_    = double(scene.dt);

@@ -16,6 +16,7 @@ std::string changeSince(const Scene&, double dt, const std::vector<rcr::PlanarVe
 /// The end of a run or step, or the moment after O.load, under any law.
 class StepEnd {
 public:
+	/// Ignores a second record of the same step.
 	void record(const Scene&);
 	/// Returns changeSince; empty if the scene has made steps since the record.
 	std::string change(const Scene&) const;

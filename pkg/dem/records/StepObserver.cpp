@@ -12,8 +12,8 @@ static void checkIds(
 	for (int id : ids) {
 		const std::string given = "ContactDynamics.observe holds " + std::to_string(id);
 		if (id < 0 || std::size_t(id) >= step.bodies.size())
-			validation::refuse(given + "; expected ids of bodies, 0 to "
-			        + std::to_string(step.bodies.size() - 1) + ".");
+			validation::refuse(given + "; expected ids of bodies, of which the scene has "
+			        + std::to_string(step.bodies.size()) + ".");
 		if (!handles.state[id])
 			validation::refuse(given + ", a body that was erased; remove the id.");
 		const int owner = step.bodies[id].owner;
@@ -42,45 +42,67 @@ void StepObserver::record(const StepOutcome& outcome, const std::vector<int>& id
 		if (std::size_t(id) >= step.bodies.size() || !handles.state[id]) return {};
 		return step.bodies[id].center;
 	});
-	// the engine may be in another scene now
-	if (sums_.ids != ids || outcome.iteration <= sums_.iteration) {
-		sums_     = {};
-		sums_.ids = ids;
+	add(means_, outcome, ids, 0, impulses, step.dt);
+	if (interval == 0) {
+		entry_ = {};
+		return;
+	}
+	add(entry_, outcome, ids, interval, impulses, step.dt);
+	if (entry_.steps < interval) return;
+	intervals_.push_back({ std::exchange(entry_, {}), outcome, {}, false });
+	means_ = {};
+}
+
+void StepObserver::add(Sums& sums, const StepOutcome& outcome, const std::vector<int>& ids,
+        int interval, const std::vector<rcr::PlanarVector>& impulses, double dt)
+{
+	if (sums.ids != ids || sums.interval != interval) {
+		sums          = {};
+		sums.ids      = ids;
+		sums.interval = interval;
 		for (int id : ids)
-			sums_.force[id] = {};
+			sums.force[id] = {};
 	}
-	sums_.iteration = outcome.iteration;
-	++sums_.steps;
-	sums_.iterations += outcome.sweeps;
-	sums_.yielded += outcome.yielded;
-	sums_.residual = std::max(sums_.residual, outcome.residual);
+	++sums.steps;
+	sums.iterations += outcome.sweeps;
+	sums.yielded += outcome.yielded;
+	sums.residual = std::max(sums.residual, outcome.residual);
 	if (outcome.missed) {
-		++sums_.missed;
-		sums_.ratioSum += outcome.toleranceRatio;
-		sums_.largestRatio = std::max(sums_.largestRatio, outcome.toleranceRatio);
+		++sums.missed;
+		sums.ratioSum += outcome.toleranceRatio;
+		sums.largestRatio = std::max(sums.largestRatio, outcome.toleranceRatio);
 	}
-	for (auto& [id, sum] : sums_.force)
-		sum = sum + impulses[id] / step.dt;
-	if (interval == 0 || sums_.steps < interval) return;
-	intervals_.push_back({ std::exchange(sums_, {}), outcome, {}, false });
+	for (auto& [id, sum] : sums.force)
+		sum = sum + impulses[id] / dt;
+}
+
+void StepObserver::restart()
+{
+	const std::lock_guard<std::mutex> lock(mutex_);
+	means_ = entry_ = {};
 }
 
 py::dict StepObserver::takeMeans(const std::vector<int>& ids)
 {
 	const std::lock_guard<std::mutex> lock(mutex_);
-	return dictOf(std::exchange(sums_, {}), ids);
+	return dictOf(std::exchange(means_, {}), ids);
+}
+
+void StepObserver::setLastPositions(const Scene& scene)
+{
+	const std::lock_guard<std::mutex> lock(mutex_);
+	setLastPositions([&](int id) -> std::optional<rcr::Vec2> {
+		if (!scene.bodies->exists(id)) return {};
+		return plane::toPlane((*scene.bodies)[id]->state->pos);
+	});
 }
 
 py::list StepObserver::takeIntervals(const Scene& scene)
 {
+	if (!Omega::instance().isRunning()) setLastPositions(scene);
 	const std::lock_guard<std::mutex> lock(mutex_);
-	if (!Omega::instance().isRunning())
-		setLastPositions([&](int id) -> std::optional<rcr::Vec2> {
-			if (!scene.bodies->exists(id)) return {};
-			return plane::toPlane((*scene.bodies)[id]->state->pos);
-		});
-	const bool open = !intervals_.empty() && !intervals_.back().placed;
-	const auto end  = intervals_.end() - open;
+	const bool                        open = !intervals_.empty() && !intervals_.back().placed;
+	const auto end = intervals_.end() - open;
 	py::list   all;
 	for (auto interval = intervals_.begin(); interval != end; ++interval) {
 		py::dict entry = dictOf(interval->sums, interval->sums.ids), positions;

@@ -20,8 +20,14 @@ public:
 	void record(const StepOutcome&, const std::vector<int>& ids, int interval,
 	        const std::vector<rcr::PlanarVector>& impulses, const rcr::Step&, const SceneHandles&);
 
-	/// Means since the last call.
+	/// Starts new means and a new entry, for a step of another scene.
+	void restart();
+
+	/// Means since the last call and the last entry.
 	boost::python::dict takeMeans(const std::vector<int>& ids);
+
+	/// Sets the positions of the last entry at the end of a run, before a script moves bodies.
+	void setLastPositions(const Scene&);
 
 	/// Entries since the last call. During a run, the newest entry waits for the next call, because
 	/// its positions are unknown.
@@ -30,7 +36,7 @@ public:
 private:
 	struct Sums {
 		std::vector<int>                 ids;
-		long                             iteration = 0; // of the last step
+		int                              interval = 0; // steps of an entry
 		long                             steps = 0, iterations = 0, missed = 0, yielded = 0;
 		double                           residual = 0, ratioSum = 0, largestRatio = 0;
 		std::map<int, rcr::PlanarVector> force; // by body [N, N m]
@@ -43,12 +49,15 @@ private:
 		bool                     placed = false; // positions are known: the next step has begun
 	};
 
+	/// Adds a step, to new sums if the ids or the interval have changed.
+	static void add(Sums&, const StepOutcome&, const std::vector<int>& ids, int interval,
+	        const std::vector<rcr::PlanarVector>& impulses, double dt);
 	static boost::python::dict dictOf(const Sums&, const std::vector<int>& ids);
 	/// Sets the positions of the last interval. `positionOf` returns nothing for an erased body.
 	void setLastPositions(const std::function<std::optional<rcr::Vec2>(int id)>& positionOf);
 
 	std::mutex            mutex_;
-	Sums                  sums_;
+	Sums                  means_, entry_;
 	std::vector<Interval> intervals_;
 };
 

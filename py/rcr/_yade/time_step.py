@@ -6,7 +6,7 @@ import math
 import numpy as np
 from yade.minieigenHP import Vector3
 from yade.wrapper import (
-    FrictPhys, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
+    Box, Facet, FrictPhys, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
     Law2_RcrGeom_FrictPhys_CundallStrack, NewtonIntegrator, Omega, Rcr, Sphere,
 )  # fmt: skip
 
@@ -54,6 +54,8 @@ def critical_time_step(points=6):
         grain = all(isinstance(member.shape, (Rcr, Sphere)) for member in members)
         if body.isClumpMember or body.state.blockedDOFs == "xyzXYZ":
             continue
+        if not all(member.shape and member.material for member in members):
+            continue  # it touches nothing
         if grain:
             stiffness = np.max([stiffness_of(member) for member in members], axis=0)
             steps.append(_stable_step(body, members, *stiffness, points, damping))
@@ -72,7 +74,7 @@ def _stiffnesses(loops):
     functors = [ip2 for loop in loops for ip2 in loop.physDispatcher.functors]
     stock = [ip2 for ip2 in functors if isinstance(ip2, Ip2_FrictMat_FrictMat_FrictPhys)]
     makers = {name: [getattr(ip2, name) for ip2 in stock] for name in ("kn", "ks")}
-    materials = {body.material.id for body in O.bodies if not body.isClump}
+    materials = {body.material.id for body in O.bodies if body.material and not body.isClump}
     stiffest = {}  # (k_n, k_s) by id of the body
     for i in O.interactions:
         if i.isReal and isinstance(i.phys, FrictPhys):
@@ -123,10 +125,23 @@ def _stable_step(body, members, kn, ks, points, damping):
 def _stable_step_of_plate(body, row, stiffness, grain_mass, damping):
     """Return the stable time step of a wall, box or facet [s]; see `critical_time_step`."""
     contacts = sum(i.geom.points for i in body.intrs() if i.isReal)
-    z, m = max(row, contacts), body.state.mass
+    z, blocked = max(row, contacts), body.state.blockedDOFs
+    inverse = 0 if "x" in blocked and "y" in blocked else 1 / body.state.mass
+    if "Z" not in blocked:
+        inverse = max(inverse, _farthest(body.shape) ** 2 / body.state.inertia[2])
+    if inverse == 0:
+        return math.inf
+    m = 1 / inverse
     frequency = math.sqrt(2 * z * stiffness / m)
     ratio = damping * math.sqrt(z * min(grain_mass, m) / (2 * m))
     return _leapfrog_step(frequency, ratio)
+
+
+def _farthest(shape):
+    """Return the largest distance of a point of a box or facet from its centre [m]."""
+    if isinstance(shape, Facet):
+        return max(corner.norm() for corner in shape.vertices)
+    return math.hypot(*shape.extents[:2]) if isinstance(shape, Box) else 0.0
 
 
 def _leapfrog_step(frequency, ratio):

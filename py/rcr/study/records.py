@@ -61,8 +61,7 @@ def _step_rigid(test, count, times):
     solver = test.solver
     solver.observe = [test.left, test.right, test.bottom, test.top]
     solver.observeEvery = count
-    solver.observed()  # discards what earlier steps left
-    solver.observations()
+    solver.observations()  # discards entries of earlier steps
     width, height = test.width, test.height
     try:
         if count * times == 1:

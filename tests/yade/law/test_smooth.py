@@ -309,6 +309,39 @@ def test_the_critical_time_step_counts_light_clumps_and_lids():
     assert O.bodies[lid].state.pos[1] == pytest.approx(0.2, abs=1e-3)
 
 
+def flap():
+    """A segment of 0.2 m that turns about its middle."""
+    segment = rcr.segment((-0.1, 0), (0.1, 0), material=springy(0.3))
+    segment.state.blockedDOFs, segment.state.inertia = "xyzXY", (1, 1, 1e-4)
+    return segment
+
+
+@pytest.mark.parametrize("mass", [0, 1, 1000])
+def test_the_critical_time_step_of_a_hinged_segment_is_that_of_its_rotation(mass):
+    """√4 = 2 points at each end: dt ≤ 2/√(2 z k a²/I); a = 0.2 m bounds the corners of the Facet."""
+    hinged = flap()
+    hinged.state.mass = mass
+    heavy = [rcr.disc((2 * k, 5), 0.1, springy(0.3)) for k in range(4)]
+    build(hinged, *heavy, law="smooth")
+    for body in O.bodies:
+        if body.id > 0:
+            body.state.mass, body.state.inertia = 1e6, (1e6, 1e6, 1e6)
+    stiffness = 1e7 * 0.1
+    assert rcr.critical_time_step() == pytest.approx(
+        2 / math.sqrt(2 * 2 * stiffness * 0.2**2 / 1e-4), rel=0.05)
+
+
+def test_a_body_without_shape_or_material_bounds_no_time_step():
+    build(rcr.disc((0, 1), 0.1, springy(0.3)), law="smooth")
+    expected = rcr.critical_time_step()
+    for shape in (None, yade.wrapper.Sphere(radius=0.1)):
+        marker = yade.wrapper.Body()
+        marker.shape = shape
+        marker.state.blockedDOFs = "zXY"
+        O.bodies.append(marker)
+    assert rcr.critical_time_step() == expected
+
+
 def test_the_critical_time_step_reads_matches():
     """A match counts for its two materials, then the value for other pairs; else E R counts."""
     steps_of = []

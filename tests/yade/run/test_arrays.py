@@ -359,6 +359,43 @@ def test_a_history_is_kept_without_a_stop():
     assert long.observations() == []
 
 
+def test_each_entry_of_a_history_has_its_number_of_steps():
+    """Also after steps before `observeEvery`, and if a script reads means meanwhile."""
+    watched = observed([3], 0)
+    O.run(130, True)
+    watched.observeEvery = 100
+    for _ in range(5):
+        O.run(60, True)
+        watched.observed()
+    entries = watched.observations()
+    assert [(entry["step"], entry["steps"]) for entry in entries] == [
+        (230, 100), (330, 100), (430, 100)]
+
+
+def test_means_continue_after_a_reset_of_the_time():
+    watched = observed([3], 0)
+    O.run(100, True)
+    O.resetTime()
+    O.run(50, True)
+    assert watched.observed()["steps"] == 150
+
+
+def test_positions_of_an_entry_are_those_at_its_end():
+    watched = observed([3], 50)
+    O.run(50, True)
+    at = tuple(O.bodies[3].state.pos)[:2]
+    O.bodies[3].state.pos = (0, 50, 0)
+    assert watched.observations()[0]["positions"][3] == at
+    # another scene does not replace them either
+    O.bodies[3].state.pos = (*at, 0)
+    O.run(50, True)
+    at, engines = tuple(O.bodies[3].state.pos)[:2], O.engines
+    pressed()
+    O.engines = engines
+    O.run(10, True)
+    assert watched.observations()[0]["positions"][3] == at
+
+
 def test_advance_is_one_run():
     """advance makes one run: pieces of 0.2 s would each gather all bodies. An engine may end it."""
     pressed()
@@ -401,13 +438,13 @@ def test_a_change_of_observed_bodies_starts_a_new_mean():
     assert set(second["forces"]) == set(second["positions"]) == {3, 60}
     assert (second["steps"], second["step"]) == (100, 275)
     assert watched.observed()["steps"] == 25
-    # an observed body is erased: the history leaves out its position, the next step raises
+    # an observed body is erased: the next step raises
     watched = observed([5, 60], 50)
     O.run(100, True)
     O.bodies.erase(5)
     first, second = watched.observations()
     assert set(first["positions"]) == set(second["forces"]) == {5, 60}
-    assert set(second["positions"]) == {60}
+    assert set(second["positions"]) == {5, 60}  # those at its end
     refused("ContactDynamics.observe holds 5, a body that was erased; remove the id", O.run, 10,
             True, error=RuntimeError)
     watched.observe = [60]

@@ -338,6 +338,25 @@ def test_stresses_need_the_state_after_the_step(change, says):
 
 
 @LAWS
+@pytest.mark.parametrize("then", [O.pause, O.wait, lambda: refused("O.dt", refused_run)])
+def test_a_change_before_a_pause_is_seen(law, then):
+    m = springy(young=1e9)
+    build(rcr.disc((0, 0), 0.1, m), law=law, dt=1e-5, gravity=(0, 0, 0))
+    O.run(20, True)
+    set_state(0, vel=(1000, 0, 0))
+    then()
+    refused("the velocity of body #0 differs", rcr.contact_network, volume=1)
+
+
+def refused_run():
+    before, O.dt = O.dt, 0
+    try:
+        O.run(1, True)
+    finally:
+        O.dt = before
+
+
+@LAWS
 @pytest.mark.parametrize("how", ["plain", "after an insertion", "after a reload"])
 @pytest.mark.parametrize("change, says", [
     (lambda: setattr(O, "dt", 2 * O.dt), "O.dt is .*, but was .* in the last step"),

@@ -54,6 +54,7 @@ CALLS = [  # function, words of its ValueError
     *((lambda members=members: rcr.clump(members), "at least one body")
       for members in ([], ["grain"])),
     (lambda: rcr.clump([grain()] * 2), "members holds a body twice"),
+    (lambda: rcr.clump([grain(), O.bodies[0]]), "members holds body #0 of a scene"),
     *((lambda options=options: rcr.clump([grain(), rcr.disc((0.2, 0), 0.1, **options)]),
        r"members\[1\] is fixed or moves")
       for options in (dict(fixed=True), dict(velocity=(1, 0)), dict(angular_velocity=1.0))),

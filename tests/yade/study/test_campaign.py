@@ -67,7 +67,8 @@ def test_quick_is_the_study_in_small(tmp_path):
 
 @needs_snakemake
 def test_the_default_folder_is_out_campaign(tmp_path):
-    ended(CAMPAIGN, *SMALL, "--", "--dry-run", cwd=tmp_path)
+    for dry_run in ("--dry-run", "-n"):
+        ended(CAMPAIGN, *SMALL, "--", dry_run, cwd=tmp_path)
     assert (tmp_path / "out" / "campaign").is_dir()
 
 
