@@ -26,6 +26,11 @@ namespace {
 	std::string pending; // message of the first deferred error; empty: none
 	std::string ended;   // message of the exception that ended the last step
 
+	// error of the scene that acceptContact found, and the step
+	std::string  left;
+	const Scene* leftBy   = nullptr;
+	long         leftStep = 0;
+
 	int raise(void*)
 	{
 		const std::lock_guard<std::mutex> lock(mutex);
@@ -44,6 +49,20 @@ void deferError(const std::string& message)
 	if (Py_AddPendingCall(raise, nullptr) != 0) return;
 	pending = message;
 	Omega::instance().getScene()->stopAtIter = Omega::instance().getScene()->iter + 1;
+}
+
+void leaveSceneError(const Scene& scene, const std::string& message)
+{
+	const std::lock_guard<std::mutex> lock(mutex);
+	left = message, leftBy = &scene, leftStep = scene.iter;
+}
+
+std::string takeSceneError(const Scene& scene)
+{
+	const std::lock_guard<std::mutex> lock(mutex);
+	const bool isOfStep = leftBy == &scene && leftStep == scene.iter;
+	leftBy              = nullptr;
+	return isOfStep ? left : std::string();
 }
 
 void rememberError(const std::string& message)

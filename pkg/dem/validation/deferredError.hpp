@@ -5,9 +5,16 @@
 
 namespace yade {
 
+class Scene;
+
 /// Stops the run. Raises a ValueError in Python as soon as its main thread runs, right after
 /// O.step().
 void deferError(const std::string& message);
+
+/// Stores an error of the scene in a parallel loop; ContactDynamics throws it later in this step.
+void leaveSceneError(const Scene&, const std::string& message);
+/// Returns the error of the scene in this step, and clears it; empty: none.
+std::string takeSceneError(const Scene&);
 
 /// Stores the message of an exception that ended a step. YADE's run thread discards it if nobody
 /// waits for the run.

@@ -1,7 +1,5 @@
 #include "dem/validation/SceneQuery.hpp"
 
-#include <mutex>
-
 #include "dem/engine/CellStress.hpp"
 #include "dem/engine/homoDeform.hpp"
 #include "dem/shapes/planeConversion.hpp"
@@ -230,19 +228,10 @@ static void replaceSphereBounds(const Scene& scene)
 	}
 }
 
-/// Error of the scene for which acceptContact has refused a contact in this step. ContactDynamics
-/// throws it.
-static struct {
-	std::mutex  mutex;
-	long        step = -1;
-	std::string message;
-} refused;
-
 std::string prepareRun(Scene& scene)
 {
 	static PairExclusions last; // of the last run
 	const SceneQuery      view(scene);
-	refused.step = -1; // may be of another scene
 	const std::string     error = sceneError(scene);
 	if (!error.empty()) return error;
 	replaceSphereBounds(scene);
@@ -292,10 +281,7 @@ Engines Validator::validate(const Scene& scene)
 {
 	const SceneQuery view(scene);
 	checkLastStep(view);
-	{
-		const std::lock_guard<std::mutex> lock(refused.mutex);
-		if (std::exchange(refused.step, -1) == scene.iter) refuse(refused.message);
-	}
+	if (const std::string error = takeSceneError(scene); !error.empty()) refuse(error);
 	// may change without a change of objects
 	for (const auto rule : { timeStep, finiteMotion, integrator, velocityGradient, smallCell })
 		if (const std::string error = rule(view); !error.empty()) refuse(error);
@@ -356,12 +342,8 @@ bool acceptContact(const Interaction& i, const Scene& scene)
 		passed = now;
 		return true;
 	}
-	if (view.indexOf<ContactDynamics>() < 0) {
-		deferError(message);
-		return false;
-	}
-	const std::lock_guard<std::mutex> lock(refused.mutex);
-	refused.step = scene.iter, refused.message = message;
+	if (view.indexOf<ContactDynamics>() < 0) deferError(message);
+	else leaveSceneError(scene, message);
 	return false;
 }
 

@@ -284,8 +284,7 @@ def _(v):
 
 
 @claim("O16", "a_lt < 0 and monotonic in ξ",
-       "a_lt(∞) < 0; falls with ξ, up to rises of 10 % of its range or two errors, at every η > 0",
-       LONG)
+       "a_lt(∞) < 0; falls with ξ, up to rises of 10 % of its range or two errors, for η > 0", LONG)
 def _(v):
     smooth, _ = is_monotonic(v, "a_lt", -1)
     value = v["a_lt"][:, -1]
@@ -301,8 +300,7 @@ def _(v, contacts):
 
 
 @claim("O17", "discs: a_fn(ξ) positive",
-       "above 0, or below it by less than two errors, at every ξ ≥ 0.2 (lowest value given)",
-       etas=0)
+       "above 0, or below it by less than two errors, at every ξ ≥ 0.2 (lowest given)", etas=0)
 def _(v):
     value, error = (v[name][v["xi"] >= 0.2] for name in ("a_fn", "a_fn_error"))
     agrees = (value >= -SIGMAS * known(error)).all()
