@@ -25,7 +25,8 @@ from .stage import (DT, G, R, SCENES, ContactDynamics, Smooth, angle, box, build
 
 TITLES = dict(  # of the hard scenes S21 to S26, one a motion
     lid="lid driven into a bed", piston="side wall driven into a bed",
-    receding="lid driven beside a receding wall", shear="shear box with a row that sinks onto the bed",
+    receding="lid driven beside a receding wall",
+    shear="shear box with a row that sinks onto the bed",
     rotating="closed box that turns", wedge="ram between two slopes",
 )  # fmt: skip
 MOTIONS = list(TITLES)

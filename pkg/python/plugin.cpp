@@ -108,10 +108,8 @@ void recordEnd()
 {
 	lastEnd.record(scene());
 	for (const auto& engine : scene().engines)
-		if (auto* solver = dynamic_cast<yade::ContactDynamics*>(engine.get())) {
-			solver->scene = &scene();
-			solver->endObservation();
-		}
+		if (auto* solver = dynamic_cast<yade::ContactDynamics*>(engine.get()))
+			solver->endRun(scene());
 }
 
 } // namespace

@@ -207,8 +207,8 @@ def test_files_without_meaning_are_refused(tmp_path, name, change, says):
                                    "a\0b", np.str_("a"), np.datetime64("2020-01-01")])
 def test_attributes_that_no_file_holds_are_refused(value):
     test = random_network(10)
-    refused(r"the attribute note = .*; expected a number, a text, a list of texts or an array of numbers", Network,
-            test.particles, test.contacts, dict(note=value))
+    refused("the attribute note = .*; expected a number, a text, a list of texts or an array of "
+            "numbers", Network, test.particles, test.contacts, dict(note=value))
 
 
 def test_attributes_return_from_a_file(tmp_path):

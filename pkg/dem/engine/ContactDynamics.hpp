@@ -44,7 +44,7 @@ public:
 	void                       setTuning(const boost::python::object&);
 	static boost::python::list visibleNames(const boost::python::object& self);
 	boost::python::dict takeObserved() { return observer_.takeMeans(get<&ContactDynamics::observe>()); }
-	void                       endObservation() { observer_.setLastPositions(*scene); }
+	void                       endRun(const Scene& ended) { observer_.setLastPositions(ended); }
 	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
 	boost::python::dict        modelDict() const { return get<&ContactDynamics::model_>().dict(); }
 	boost::python::dict        secondsDict() const { return times_.dict(); }

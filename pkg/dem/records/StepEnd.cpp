@@ -41,7 +41,7 @@ std::string changeSince(
 
 void StepEnd::record(const Scene& scene)
 {
-	if (iter_ == scene.iter && velocity_.size() > 0 && scene_.lock().get() == &scene) return;
+	if (isOf(scene)) return;
 	scene_ = scene.weak_from_this();
 	iter_  = scene.iter;
 	dt_    = double(scene.dt);
@@ -50,10 +50,14 @@ void StepEnd::record(const Scene& scene)
 		if (b) velocity_[b->getId()] = plane::velocityOf(*b->state);
 }
 
+bool StepEnd::isOf(const Scene& scene) const
+{
+	return iter_ > 0 && iter_ == scene.iter && scene_.lock().get() == &scene;
+}
+
 std::string StepEnd::change(const Scene& scene) const
 {
-	const bool last = iter_ > 0 && iter_ == scene.iter && scene_.lock().get() == &scene;
-	return last ? changeSince(scene, dt_, velocity_) : std::string();
+	return isOf(scene) ? changeSince(scene, dt_, velocity_) : std::string();
 }
 
 } // namespace yade

@@ -22,6 +22,9 @@ public:
 	std::string change(const Scene&) const;
 
 private:
+	/// Returns true if the record is that of the last step of this scene.
+	bool isOf(const Scene&) const;
+
 	boost::weak_ptr<const Factorable> scene_;
 	long                              iter_ = 0; // no forces before the first step
 	double                            dt_   = 0;

@@ -263,6 +263,18 @@ bool grainLeavesBox(const Scene& scene, const rcr::Step& step, const rcr::StepBo
 	return false;
 }
 
+/// The bounding box of a box or segment in unsheared space.
+static rcr::BoundingBox unshearedBounds(
+        const Cell& cell, const rcr::PlanarShape& shape, const rcr::Pose& at)
+{
+	const auto unsheared
+	        = [&](rcr::Vec2 v) { return plane::toPlane(cell.unshearPt(plane::toSpace(v))); };
+	const rcr::Pose line
+	        = shape.kind == rcr::PlanarShape::segment ? rcr::segmentPose(shape, at) : at;
+	return rcr::boundsOf(unsheared(line.center), unsheared(shape.halfLength * line.axis),
+	        unsheared(shape.halfWidth * perp(line.axis)));
+}
+
 bool obstacleLeavesBox(const Scene& scene, const rcr::PlanarShape& shape, const rcr::Pose& at,
         Real z, double margin, const Bound& bound)
 {
@@ -271,16 +283,8 @@ bool obstacleLeavesBox(const Scene& scene, const rcr::PlanarShape& shape, const 
 	const Real   slack    = 1e-9 * (bound.max[2] - bound.min[2]);
 	// a Wall that was parallel to the plane
 	if (z < bound.min[2] - slack || z > bound.max[2] + slack) return true;
-	rcr::BoundingBox box = rcr::boundsOf(shape, at);
-	if (scene.isPeriodic) {
-		const auto unsheared = [&](rcr::Vec2 v) {
-			return plane::toPlane(scene.cell->unshearPt(Vector3r(v.x, v.y, 0)));
-		};
-		const rcr::Pose line
-		        = shape.kind == rcr::PlanarShape::segment ? rcr::segmentPose(shape, at) : at;
-		box = rcr::boundsOf(unsheared(line.center), unsheared(shape.halfLength * line.axis),
-		        unsheared(shape.halfWidth * perp(line.axis)));
-	}
+	const rcr::BoundingBox box = scene.isPeriodic ? unshearedBounds(*scene.cell, shape, at)
+	                                              : rcr::boundsOf(shape, at);
 	const Vector3r widening = boxWidening(scene);
 	const auto     out      = [&](int axis, double center, double half) {
         half += margin * double(widening[axis]) - rounding;

@@ -67,9 +67,9 @@ std::string smallCell(const SceneQuery& v)
 	const Real  size   = v.scene.cell->getSize().minCoeff();
 	for (const auto& b : *v.scene.bodies) {
 		if (!b || !b->shape || b->isClump()) continue;
-		Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
-		if (b->shape->getClassIndex() == Facet::getClassIndexStatic()) // not its segment alone
-			half = halfLongestEdge(static_cast<const Facet&>(*b->shape));
+		const Real half = b->shape->getClassIndex() == Facet::getClassIndexStatic()
+		        ? halfLongestEdge(static_cast<const Facet&>(*b->shape)) // not of its segment
+		        : plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
 		if (wider * half + margin < most * size && largestBoxShare * size + margin < most * size)
 			continue;
 		return "the periodic cell is " + text(size) + " wide at its narrowest, "

@@ -237,7 +237,7 @@ std::string prepareRun(Scene& scene)
 	replaceSphereBounds(scene);
 	if (scene.isPeriodic && !view.first<ContactDynamics>()) suppressHomoDeform(scene, false);
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
-	// after an erasure, a collider that YADE has cleared lists all bodies only then
+	// lets a collider that YADE has cleared list all bodies, also after an erasure
 	scene.bodies->checkedByCollider = false;
 	return {};
 }

@@ -157,12 +157,20 @@ inline LocalVector relativeVelocity(const ContactProblem& problem, const Contact
 	return relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 }
 
-/// u at a point for the free velocities of its bodies, without the stretch by contacts [m/s].
-inline LocalVector freeRelativeVelocity(const ContactProblem& problem, const ContactPoint& c)
+/// u at a point for these velocities of its bodies, without the stretch by contacts [m/s].
+inline LocalVector relativeVelocityWithoutStretch(const ContactProblem& problem,
+        const ContactPoint& c, const PlanarVector& v1, const PlanarVector& v2)
 {
 	ContactPoint free = c;
 	free.drift        = c.freeDrift(problem.stretchRate);
-	return relativeVelocity(free, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
+	return relativeVelocity(free, v1, v2);
+}
+
+/// u at a point for the free velocities of its bodies, without the stretch by contacts [m/s].
+inline LocalVector freeRelativeVelocity(const ContactProblem& problem, const ContactPoint& c)
+{
+	return relativeVelocityWithoutStretch(
+	        problem, c, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
 }
 
 /// Components along x and y of an impulse (n, t) at a point with this normal.

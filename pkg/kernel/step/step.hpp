@@ -199,9 +199,8 @@ struct Step {
 	/// u of a point at the beginning of the step, before contacts stretch the cell [m/s].
 	LocalVector initialVelocity(const ContactPoint& c) const
 	{
-		ContactPoint initial = c;
-		initial.drift        = c.freeDrift(problem.stretchRate);
-		return relativeVelocity(initial, bodies[c.body1].velocity, bodies[c.body2].velocity);
+		return relativeVelocityWithoutStretch(
+		        problem, c, bodies[c.body1].velocity, bodies[c.body2].velocity);
 	}
 
 	/// A detected point as a point of the problem, with the bias of the law:

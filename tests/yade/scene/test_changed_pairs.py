@@ -226,7 +226,7 @@ def unite():
 
 @pytest.mark.parametrize("arrays", [True, False])
 @pytest.mark.parametrize("scene, shapes, last, lowest", [
-    (loose_box, "Wall and Box", 225, 0.05), (released_box, "Wall and Box", 275, 0.05),
+    (loose_box, "Wall and Box", 223, 0.05), (released_box, "Wall and Box", 274, 0.05),
     (lambda: discs_below_rods(unite, mask=2), "Sphere and Rcr", 51, 0.5),
     (lambda: discs_below_rods(release, fixed=True), "Sphere and Rcr", 400, 0.2),
 ], ids=["loose Box", "released Box", "mask", "released rod"])
