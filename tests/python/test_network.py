@@ -211,6 +211,12 @@ def test_attributes_that_no_file_holds_are_refused(value):
             "numbers", Network, test.particles, test.contacts, dict(note=value))
 
 
+def test_an_attribute_that_files_compute_is_refused():
+    test = random_network(10)
+    refused("the attribute stress = .*; expected another name; files hold", Network,
+            test.particles, test.contacts, dict(stress=np.eye(2)))
+
+
 def test_attributes_return_from_a_file(tmp_path):
     test, path = random_network(10), tmp_path / "network-0.h5"
     given_ = dict(number=3, text="ü", flag=True, row=[1.5, 2], texts=["a", "b"], code=b"x", none=[])

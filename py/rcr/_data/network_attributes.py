@@ -28,6 +28,9 @@ def checked(attributes):
             found[name] = checks.number(f"the attribute {name}", value, *_NUMBERS[name])
         elif name in ("cell", "cell_velocity"):
             found[name] = checks.array(f"the attribute {name}", value, (2, 2))
+        elif name == "stress":
+            raise checks.error("the attribute stress", np.asarray(value).tolist(),
+                               "another name; files hold Network.stress() under this one")
         elif not _is_storable(value):
             expected = "a number, a text, a list of texts or an array of numbers"
             raise checks.error(f"the attribute {name}", value, expected)
