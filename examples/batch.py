@@ -13,22 +13,22 @@ Each run writes DIR/eta-E-mu-M.txt (root mean square of x against time) and DIR/
 
 import math
 import random
+import sys
 
 import numpy as np
 from matplotlib.figure import Figure
 from yade import plot
 
 # default parameters of a run without a table
-readParamsFromTable(eta=0.5, mu=0.5, wide=6, high=16, seconds=1.2, unknownOk=True)
-from yade.params.table import eta, high, mu, seconds, wide
+readParamsFromTable(eta=0.5, mu=0.5)
+from yade.params.table import eta, mu
 
 import rcr
 from rcr import *
 from rcr import script
 
 options = script.options(__doc__)  # yade-batch passes no options: its jobs write to out/batch
-if options.quick:
-    wide, high, seconds = 3, 5, 0.3
+wide, high, seconds = (3, 5, 0.3) if options.quick else (6, 16, 1.2)
 R = 0.01
 draw = random.Random(7)
 rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(mu)))
@@ -55,7 +55,8 @@ def record():
     plot.addData(t=O.time, width=width)
 
 
-rcr.advance(round(seconds / O.dt), "collapse")
+if not rcr.advance(round(seconds / O.dt), "collapse"):
+    sys.exit("batch.py: stopped; this row has no result")
 
 # atomic writes, because several jobs write and read at the same time
 name = f"eta-{eta}-mu-{mu}"

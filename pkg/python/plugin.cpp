@@ -128,7 +128,9 @@ BOOST_PYTHON_MODULE(_plugin)
 	py::def(
 	        "prepare_run", +[] {
 		        const std::string error = yade::validation::prepareRun(scene());
-		        if (error.empty()) lastEnd = {}; // O.iter stays the same within the next step
+		        if (!error.empty()) return error;
+		        lastEnd.adaptCell(scene());
+		        lastEnd = {}; // O.iter stays the same within the next step
 		        return error;
 	        },
 	        "Prepare a run. Returns the error of an unsupported scene, with a remedy; else ''.");

@@ -77,6 +77,8 @@ class VtkSeries:
             root = xml.parse(self.index).getroot()
             parts = [part.attrib for part in root.iter("DataSet")]
             moments = [(float(part["timestep"]), part["file"]) for part in parts]
+            for _, file in moments:
+                PARTS.index(_part_of(file))
             return root.get("run", ""), moments
         except (xml.ParseError, KeyError, ValueError) as error:
             given = f"{self.index}: not a series of VtkSeries ({error})"
@@ -94,10 +96,15 @@ class VtkSeries:
         files = _write(pathlib.Path(self.folder) / f"{self.name}-{number:06d}", frame)
         rows = []
         for time, file in [*before, *((frame.time, file.name) for file in files)]:
-            part = PARTS.index(pathlib.Path(file).stem.rsplit("-", 1)[1])
+            part = PARTS.index(_part_of(file))
             rows.append(dict(timestep=repr(time), group="", part=str(part), file=file))
         _save_index(self.index, "Collection", "0.1", rows, run=frame.run)
         return self.index
+
+
+def _part_of(file):
+    """Return the last word of the name of a file, which is one of `PARTS`."""
+    return pathlib.Path(file).stem.rsplit("-", 1)[-1]
 
 
 def _save_index(path, kind, version, rows, **more):

@@ -168,7 +168,11 @@ class Network:
         t = np.column_stack([-n[:, 1], n[:, 0]])
         branch, force = self.contacts["branch"][pick], self.contacts["force"][pick]
         frame = np.stack([n, t], axis=1)
-        return n, t, np.einsum("cka,ca->ck", frame, branch), np.einsum("cka,ca->ck", frame, force)
+        branch, force = (np.einsum("cka,ca->ck", frame, vector) for vector in (branch, force))
+        if not force[:, 0].mean() > 0:
+            given = f"the mean normal force between grains is {force[:, 0].mean():g}"
+            raise ValueError(f"{given}; expected > 0, compression")
+        return n, t, branch, force
 
     def xi_networks(self):
         """Return the `rcr.xi_networks.XiNetworks` of the contacts between grains."""

@@ -81,7 +81,7 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
         nlgs (plain Gauss–Seidel), sor (over-relaxed), nesterov (accelerated), exact or auto.
         Without bodies, exact and auto run as nesterov.
     tolerance : float
-        Residual at which the solver stops [-]; 0 runs all iterations.
+        Residual at which the solver stops [-]; 0 runs all iterations, or until `exact` reaches 0.
     max_iterations : int
         Largest number of sweeps and of iterations of the exact solver. An exact iteration is a
         proximal step or a pivot; auto counts it as 20 sweeps in islands of up to 1000 points.

@@ -179,11 +179,11 @@ class Profile:
 
     def _add_contacts(self, frame):
         contacts = frame.contacts
-        bearing = frame.normal_force() > 0
+        bearing, loaded = frame.normal_force() > 0, (contacts["force"] != 0).any(axis=1)
         free1, free2 = frame.free_ends()
         along = (np.arange(SAMPLES) + 0.5) / SAMPLES
         for free, arm, sign in ((free1, "arm1", 1), (free2, "arm2", -1)):
-            pick = bearing & free
+            pick = loaded & free
             arms, force = contacts[arm][pick], contacts["force"][pick]
             points = contacts["position"][pick][:, None] - along[:, None] * arms[:, None]
             place, _ = self._into_cell(frame, points)
@@ -203,11 +203,13 @@ class Profile:
         if frame.cell is None:
             return points, np.zeros_like(points)
         (width, lean), (_, height) = frame.cell
-        (left, bottom), _ = self.limits
+        (left, bottom), high = self.limits
         up = -np.floor((points[..., 1] - bottom) / height)
         along = -np.floor((points[..., 0] - left + up * lean) / width)
         shift, drift = frame.shifts(np.stack([along, up], axis=-1))
-        return points + shift, drift
+        place = np.maximum(points + shift, self.limits[0])  # rounding errors
+        whole = high - self.limits[0] >= np.array([width, height]) * (1 - 1e-9)
+        return np.where(whole, np.minimum(place, high), place), drift
 
     def _deposit(self, place, **values):
         """Add values (…, shape) at places (…, 2) to the sums of their cells."""
@@ -230,13 +232,21 @@ def _ratio(sums, counts):
 
 
 def _limits(frame):
-    """Return the corners of the free grains' box, or of the periodic cell as a rectangle."""
+    """Return the corners of a box around free grains and contacts, or of the periodic cell.
+
+    In a moving scene, contacts are at the time of their forces, before grains moved on.
+    """
     if frame.cell is not None:
         return np.array([[0.0, 0.0], [frame.cell[0, 0], frame.cell[1, 1]]])
     grains = frame.free_grains()
     if not len(grains["id"]):
         raise ValueError("the scene holds no free Rcr and no free Sphere: nothing to compute")
-    return _outlines.bounds(grains)
+    low, high = _outlines.bounds(grains)
+    for free, arm in zip(frame.free_ends(), ("arm1", "arm2")):
+        place = frame.contacts["position"][free]
+        places = np.concatenate([place, place - frame.contacts[arm][free], [low, high]])
+        low, high = places.min(axis=0), places.max(axis=0)
+    return np.array([low, high])
 
 
 def _check_span(limits, frame):

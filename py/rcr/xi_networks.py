@@ -15,13 +15,17 @@ import numpy as np
 
 from rcr._data import checks
 
+ROUNDING = 1e-12  # of a force over the mean force, relative
 
 def cutoffs(xi):
-    """Return ξ as a float array of its shape; a negative number or NaN raises a ValueError."""
+    """Return ξ as a float array of its shape; a negative number or NaN raises a ValueError.
+
+    The cutoffs are larger than ξ by `ROUNDING`, so that forces equal to ξ ⟨f_n⟩ count.
+    """
     xi = checks.reals("xi", xi)
     if not (xi >= 0).all():
         raise ValueError(f"xi = {xi}; expected cutoffs ≥ 0")
-    return xi
+    return xi * (1 + ROUNDING)
 
 
 class XiNetworks:

@@ -145,6 +145,14 @@ def failure(out, folders):
     return f"not complete{f': {reasons}{todo}' if reasons else ', see above'}; {CONTINUE}"
 
 
+def is_report_of(out, folders):
+    """Return whether the report in a folder is that of these runs, and of no others."""
+    record = run_folder.read(out / "report")
+    runs = record["parameters"].get("runs", []) if record else []
+    names = [pathlib.Path(run["folder"]).name for run in runs]
+    return sorted(names) == sorted(folder.name for folder in folders)
+
+
 def main():
     options, extra = arguments()
     if not shutil.which("snakemake"):
@@ -157,6 +165,8 @@ def main():
     claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
     with run_folder.claim_folder(out, "campaign", parameters, [], **claim) as begin:
         begin()
+        if not extra and not is_report_of(out, folders):
+            (out / "report" / "analysis.json").unlink(missing_ok=True)
         try:
             failed = run_with_progress(command(options, config, extra), folders, options)
         except KeyboardInterrupt:
@@ -164,8 +174,8 @@ def main():
     if failed:
         sys.exit(failure(out, folders))  # in full: script.run shortens the messages of exceptions
     log = out / "report" / "log"
-    if not {"-n", "--dry-run", "--dryrun"} & set(extra) and log.exists():  # else nothing ran
-        print(out / last_line(log))
+    if not {"-n", "--dry-run", "--dryrun"} & set(extra) and is_report_of(out, folders):
+        print(out / last_line(log))  # else nothing ran
 
 
 script.run(main)

@@ -11,6 +11,7 @@ SCRIPTS = pathlib.Path(workflow.basedir).parent
 sys.path.insert(0, str(workflow.basedir))
 import campaign_runs
 
+campaign_runs.check(config)
 ETAS = str(config["etas"]).split(",")
 SEEDS = str(config["seeds"]).split(",")
 OPTIONS = campaign_runs.options(config)

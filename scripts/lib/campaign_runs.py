@@ -1,6 +1,17 @@
 """Names and options of the biaxial tests of a campaign, from the configuration of Snakemake."""
 
 OPTIONAL = "networks", "iterations", "time_step", "friction"  # of scripts/biaxial.py
+REQUIRED = "particles", "strain", "etas", "seeds"
+
+
+def check(config):
+    """Raise a ValueError for a configuration with unknown names, or without one of `REQUIRED`."""
+    unknown = set(config) - {*REQUIRED, *OPTIONAL, "threads"}
+    missing = set(REQUIRED) - set(config)
+    for given, names in (("unknown", unknown), ("missing", missing)):
+        if names:
+            raise ValueError(f"--config: {given} {', '.join(sorted(names))}; expected "
+                             f"{', '.join(REQUIRED)} and optionally threads, {', '.join(OPTIONAL)}")
 
 
 def _given(config):

@@ -242,3 +242,19 @@ def test_cutoffs_are_checked(xi):
 @pytest.mark.parametrize("bins", [0, -1, 1.5, None, 10**9, "many"])
 def test_bins_are_checked(bins):
     refused("bins", random_network(50).force_pdf, bins)
+
+
+def test_observables_need_a_force_between_grains():
+    test = random_network(10)
+    between = test.between_particles
+    test.contacts["force"][between] = 0
+    for observable in (test.fabric, test.anisotropies, test.force_pdf):
+        refused("the mean normal force between grains is 0; expected > 0", observable)
+
+
+@pytest.mark.parametrize("name, value", [
+    ("curve", np.zeros(10_000)), ("text", "a" * 70_000), ("", 1), ("a\0b", 1), (3, 1),
+    ("code", b"a\0b"), ("half", "\ud800"), ("row", np.ma.masked_array([1.0, 2], [0, 1]))])
+def test_attributes_beyond_a_file_are_refused(name, value):
+    test = random_network(10)
+    refused("attribute", Network, test.particles, test.contacts, {name: value})

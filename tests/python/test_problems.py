@@ -5,6 +5,7 @@ Residuals are recomputed with NumPy from the written reactions on the dense W an
 
 import contextlib
 import json
+import math
 import sys
 from pathlib import Path
 
@@ -411,3 +412,39 @@ def test_stored_problems_without_their_bodies(path, tolerance):
     """With bodies the stored steps reach 1e-10; without bodies the last one stalls at 2e-7."""
     found = solve(problems.load(path).delassus(), "exact", tolerance, 20000)
     assert found.converged and found.residual <= tolerance
+
+
+def test_an_infeasible_row_does_not_converge(solver):
+    """Every contact of a row of 100 discs between fixed walls should open at 1 m/s."""
+    discs = 100
+    contacts, row = discs + 1, np.arange(discs + 1)
+    masses = np.ones((discs + 2, 3))
+    masses[[0, -1]] = 0
+    problem = problems.BodyProblem(
+        masses, 0 * masses, np.column_stack([row, row + 1]), np.tile([1.0, 0], (contacts, 1)),
+        np.zeros((contacts, 2)), np.zeros((contacts, 2)), -np.ones(contacts), np.zeros(contacts),
+        np.zeros((contacts, 2)))
+    assert not solve(problem, solver).converged
+
+
+@pytest.mark.parametrize("bodies", [True, False], ids=["bodies", "W and q"])
+def test_what_no_impulse_moves_slides_on(bodies, solver):
+    """A rail along y, blocked along the normal up to rounding; and two walls that overlap."""
+    normal = [[math.cos(math.pi / 2), 1.0], [0.0, 1.0]]
+    problem = problems.BodyProblem(
+        [[0, 0, 0], [1, 0, 0], [0, 0, 0]], [[0, 0, 0], [0.05, 0, 0], [0, -1, 0]], [[0, 1], [0, 2]],
+        normal, np.zeros((2, 2)), np.zeros((2, 2)), [0, 0], [0.5, 0.5], np.zeros((2, 2)))
+    found = solve(problem if bodies else problem.delassus(), solver)
+    assert found.converged and not found.reaction.any()
+
+
+def test_arrays_that_were_set_later_are_checked():
+    changed = problems.load(PACKINGS[0])
+    changed.friction = np.concatenate([[0.9], changed.friction])
+    refused("friction has shape", solve, changed, "nlgs")
+    refused("friction has shape", changed.delassus)
+
+
+@pytest.mark.parametrize("solver", ["nlgs", "sor", "nesterov", "auto"])
+def test_a_tolerance_of_zero_runs_all_iterations(solver):
+    assert solve(PACKINGS[0], solver, 0, 700).iterations == 700

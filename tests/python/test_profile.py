@@ -185,3 +185,25 @@ def test_what_is_refused():
     refused("expected one along x", rcr.Profile().compute, turned)
     refused("first edge of the periodic cell", grid.compute, turned, reset=False)
     np.testing.assert_array_equal(grid.solid_fraction, before)  # unchanged
+
+
+def test_a_lattice_at_the_lower_limit_is_counted_whole():
+    """Rounding places some images just below the limit."""
+    m, side = 7, 0.7
+    radius = side / 2 / m
+    at = lambda i, j: j % m * m + i % m
+    position = np.array([(2 * radius * i, 0.3 + 2 * radius * j) for j in range(m)
+                         for i in range(m)]) + [0.3, 0]
+    one = np.repeat(np.arange(m * m), 2)
+    two = np.array([other for j in range(m) for i in range(m)
+                    for other in (at(i + 1, j), at(i, j + 1))])
+    n, each = np.tile(np.eye(2), (m * m, 1)), np.ones(m * m)
+    grains = particles(m * m) | dict(position=position, R=radius * each, cap_radius=radius * each,
+                                     half_length=0 * each)
+    contacts = dict(body1=one, body2=two, type=0 * one, points=0 * one + 1, normal=n,
+                    branch=2 * radius * n, force=n, position=position[one] + radius * n)
+    network = Network(grains, contacts, dict(cell=np.eye(2) * side, volume=side**2))
+    for left in 0, 0.1:
+        limits = (left, left), (left + side, left + side)
+        profile = rcr.Profile((1, 4), limits).compute(network)
+        assert profile.stress.mean(axis=(0, 1)) == pytest.approx(network.stress())

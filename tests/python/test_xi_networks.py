@@ -74,3 +74,11 @@ def test_equal_forces_are_cut_together_and_no_contacts_are_refused():
                                         np.ones(count))
     assert of_equal(3).count(np.array([0.999, 1.0])).tolist() == [0, 3]
     refused("no contacts", of_equal, 0)
+
+
+@pytest.mark.parametrize("count", range(2, 60))
+def test_forces_equal_to_the_mean_are_weak(count):
+    force = np.full(count, 0.1)
+    partial = XiNetworks(np.arange(count), np.ones(count, complex), force.astype(complex),
+                         force / force.mean())
+    assert partial.count(1.0) == count

@@ -41,14 +41,21 @@ bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Sh
         const shared_ptr<Interaction>& interaction)
 {
 	prefetchPair(*scene, interaction->linIx);
+	Vector3r shift = shift2;
+	if (scene->isPeriodic) { // the collider keeps the image at which it listed the pair
+		const Vector3r apart = scene->cell->hSize.inverse() * (state2.pos - state1.pos);
+		interaction->cellDist = Vector3r((-apart).array().round()).cast<int>();
+		interaction->cellDist[2] = 0;
+		shift = scene->cell->intrShiftPos(interaction->cellDist);
+	}
 	const rcr::PlanarShape one = plane::shapeOf(*shape1, state1, state2.pos.z()),
 	                       two = plane::shapeOf(*shape2, state2, state2.pos.z());
 	const rcr::Pose        at1 { plane::toPlane(state1.pos), plane::turnOf(one, state1).axis() },
-	        at2 { plane::toPlane(state2.pos) + plane::toPlane(shift2),
+	        at2 { plane::toPlane(state2.pos) + plane::toPlane(shift),
 		        plane::turnOf(two, state2).axis() };
 	rcr::Manifold manifold;
 	if (rcr::canTouch(one.kind, two.kind)) {
-		const bool   image = shift2 != Vector3r::Zero();
+		const bool   image = shift != Vector3r::Zero();
 		const double speed = image ? plane::cellOf(*scene).imageSpeed : 0, dt = double(scene->dt);
 		const auto   alert = [&](const rcr::PlanarShape& shape, const State& s) {
 			return rcr::alertDistance(shape, plane::velocityOf(s), dt)

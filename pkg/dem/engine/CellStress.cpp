@@ -51,14 +51,15 @@ void CellStress::gatherCell(rcr::Step& step) const
 	if (grains == 0) return;
 	rcr::PeriodicCell& cell = step.cell;
 	const rcr::Vec2    size = lengths(cell);
-	const auto         load = [&](int axis, double length, double& inverse) {
+	const auto         load = [&](int axis, double length, double& inverse, double& rate) {
 		if (math::isnan(stress[axis])) return;
 		inverse = 12 / (double(mass) * grains * length * length);
 		if (step.overdamped) cell.gradient[axis][axis] = 0;
-		cell.gradient[axis][axis] -= inverse * step.dt * double(stress[axis]) * cell.area();
+		rate = -inverse * step.dt * double(stress[axis]) * cell.area();
+		cell.gradient[axis][axis] += rate;
 	};
-	load(0, size.x, step.problem.inverseStretchMass.x);
-	load(1, size.y, step.problem.inverseStretchMass.y);
+	load(0, size.x, step.problem.inverseStretchMass.x, cell.loadRate.x);
+	load(1, size.y, step.problem.inverseStretchMass.y, cell.loadRate.y);
 }
 
 } // namespace yade

@@ -77,6 +77,8 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 			if (scene->trackEnergy)
 				energy.enterPrevious(*scene->energy, step_, impulses,
 				        plane::toPlane(engines.integrator->gravity));
+			else
+				energy = {};
 			scatter(*scene, team, impulses, handles_, step_);
 		});
 	} catch (...) {

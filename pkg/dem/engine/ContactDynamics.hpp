@@ -45,7 +45,7 @@ public:
 	static boost::python::list visibleNames(const boost::python::object& self);
 	boost::python::dict takeObserved() { return observer_.takeMeans(get<&ContactDynamics::observe>()); }
 	void                       endRun(const Scene& ended) { observer_.setLastPositions(ended); }
-	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
+	boost::python::list        takeObservations() { return observer_.takeIntervals(); }
 	boost::python::dict        modelDict() const { return get<&ContactDynamics::model_>().dict(); }
 	boost::python::dict        secondsDict() const { return times_.dict(); }
 	/// Reads or writes an attribute that another thread may use.

@@ -86,8 +86,10 @@ py::list ContactDynamics::visibleNames(const py::object& self)
 
 std::string ContactDynamics::changeSinceStep() const
 {
-	return validator_.hasSolved(*scene) ? changeSince(*scene, step_.dt, step_.problem.velocity)
-	                                    : std::string();
+	// after O.load, Engine::scene is that of before until the first step
+	const Scene& now = *Omega::instance().getScene();
+	return validator_.hasSolved(now) ? changeSince(now, step_.dt, step_.problem.velocity)
+	                                 : std::string();
 }
 
 py::dict ContactDynamics::problemDict() const

@@ -19,20 +19,27 @@ static double radiusOf(const Body& b, const Scene& scene, Real z)
 	return radius;
 }
 
+/// Of all grains; infinity without grains [m].
+static double smallestRadius(const Scene& scene, Real z)
+{
+	double smallest = std::numeric_limits<double>::infinity();
+	for (const auto& b : *scene.bodies)
+		if (b && validation::isGrain(*b)) smallest = std::min(smallest, radiusOf(*b, scene, z));
+	return smallest;
+}
+
 std::string changeSince(
         const Scene& scene, double dt, const std::vector<rcr::PlanarVector>& velocity)
 {
 	if (double(scene.dt) != dt)
 		return "O.dt is " + validation::text(scene.dt) + ", but was " + validation::text(Real(dt));
-	const Real z        = validation::planeOf(scene);
-	double     smallest = std::numeric_limits<double>::infinity();
-	for (const auto& b : *scene.bodies)
-		if (b && validation::isGrain(*b)) smallest = std::min(smallest, radiusOf(*b, scene, z));
+	const Real   z    = validation::planeOf(scene);
+	const double most = largestPath * smallestRadius(scene, z);
 	for (const auto& b : *scene.bodies) {
 		// new bodies have no forces yet
 		if (!b || b->isClumpMember() || std::size_t(b->getId()) >= velocity.size()) continue;
 		const rcr::PlanarVector change = plane::velocityOf(*b->state) - velocity[b->getId()];
-		if (dt * rcr::maxSpeed(change, radiusOf(*b, scene, z)) > largestPath * smallest)
+		if (dt * rcr::maxSpeed(change, radiusOf(*b, scene, z)) > most)
 			return "the velocity of " + validation::bodyNames({ b->getId() })
 			        + " differs from that";
 	}
@@ -46,18 +53,48 @@ void StepEnd::record(const Scene& scene)
 	iter_  = scene.iter;
 	dt_    = double(scene.dt);
 	velocity_.assign(scene.bodies->size(), {});
-	for (const auto& b : *scene.bodies)
-		if (b) velocity_[b->getId()] = plane::velocityOf(*b->state);
+	place_.assign(scene.bodies->size(), {});
+	for (const auto& b : *scene.bodies) {
+		if (!b) continue;
+		velocity_[b->getId()] = plane::velocityOf(*b->state);
+		place_[b->getId()]    = { b->state->pos, b->state->ori };
+	}
+}
+
+void StepEnd::adaptCell(Scene& scene) const
+{
+	if (!isOf(scene) || !scene.isPeriodic || double(scene.dt) == dt_) return;
+	Cell&          cell = *scene.cell;
+	const Matrix3r unit = Matrix3r::Identity();
+	const Matrix3r back = (unit + scene.dt * cell.velGrad).inverse()
+	        * (unit + Real(dt_) * cell.velGrad);
+	cell.hSize = back * cell.hSize;
+	cell.trsf  = back * cell.trsf;
+	cell.integrateAndUpdate(0); // updates its derived data
 }
 
 bool StepEnd::isOf(const Scene& scene) const
 {
-	return iter_ > 0 && iter_ == scene.iter && scene_.lock().get() == &scene;
+	const bool isLast = iter_ == scene.iter || scene.iter == 0; // after O.resetTime()
+	return iter_ > 0 && isLast && scene_.lock().get() == &scene;
 }
 
 std::string StepEnd::change(const Scene& scene) const
 {
-	return isOf(scene) ? changeSince(scene, dt_, velocity_) : std::string();
+	if (!isOf(scene)) return {};
+	const std::string error = changeSince(scene, dt_, velocity_);
+	if (!error.empty()) return error;
+	const Real z        = validation::planeOf(scene);
+	const double most = largestPath * smallestRadius(scene, z);
+	for (const auto& b : *scene.bodies) {
+		if (!b || std::size_t(b->getId()) >= place_.size()) continue;
+		const auto& [center, turn] = place_[b->getId()];
+		const Vector3r moved       = b->state->pos - center;
+		const double   angle       = double(b->state->ori.angularDistance(turn));
+		if (double(moved.norm()) > most || angle * radiusOf(*b, scene, z) > most)
+			return "the place of " + validation::bodyNames({ b->getId() }) + " differs from that";
+	}
+	return {};
 }
 
 } // namespace yade

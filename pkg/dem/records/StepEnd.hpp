@@ -1,4 +1,4 @@
-// Time step and velocities at the end of the last step.
+// Time step, places and velocities at the end of the last step.
 //
 // They give the positions at which the forces of this step acted: pos − O.dt vel. A later change by
 // a script makes these positions wrong.
@@ -18,8 +18,13 @@ class StepEnd {
 public:
 	/// Ignores a second record of the same step.
 	void record(const Scene&);
-	/// Returns changeSince; empty if the scene has made steps since the record.
+	/// Returns changeSince, or names the first body that a script has moved or turned since. Empty
+	/// if the scene has made steps since the record.
 	std::string change(const Scene&) const;
+
+	/// Call it before a run. YADE moves the cell by O.dt at the beginning of a step; after a change
+	/// of O.dt, this lets it move by the step by which its bodies have moved.
+	void adaptCell(Scene&) const;
 
 private:
 	/// Returns true if the record is that of the last step of this scene.
@@ -29,6 +34,7 @@ private:
 	long                              iter_ = 0; // no forces before the first step
 	double                            dt_   = 0;
 	std::vector<rcr::PlanarVector>    velocity_; // by body
+	std::vector<std::pair<Vector3r, Quaternionr>> place_; // by body
 };
 
 } // namespace yade

@@ -114,6 +114,13 @@ void checkEnergy(const rcr::Step& step, long iteration)
 void checkStretch(const rcr::Step& step, long iteration)
 {
 	const rcr::Vec2 m          = step.problem.inverseStretchMass;
+	for (const rcr::ContactPoint& c : step.problem.points)
+		if (m.x * c.shift.x != 0 || m.y * c.shift.y != 0)
+			if (step.problem.prescribed(c.body1) && step.problem.prescribed(c.body2))
+				throw std::runtime_error("ContactDynamics: CellStress presses "
+				        + validation::bodyNames({ c.body1, c.body2 })
+				        + " against each other across the boundary of the cell, and both have "
+				          "prescribed motion. Nothing has moved. Let one of them move freely.");
 	const double    inverse[2] = { m.x, m.y };
 	for (int axis = 0; axis < 2; ++axis) {
 		const double strain

@@ -53,7 +53,8 @@ void checkFinite(const rcr::Step&, long iteration);
 /// end without contacts. Steps with driven bodies are exempt.
 void checkEnergy(const rcr::Step&, long iteration);
 
-/// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step.
+/// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step, or
+/// press bodies of prescribed motion against each other across the boundary.
 void checkStretch(const rcr::Step&, long iteration);
 
 /// Mean and largest net force on a free grain or clump over the mean normal force of closed points

@@ -97,8 +97,9 @@ void StepObserver::setLastPositions(const Scene& scene)
 	});
 }
 
-py::list StepObserver::takeIntervals(const Scene& scene)
+py::list StepObserver::takeIntervals()
 {
+	const Scene& scene = *Omega::instance().getScene();
 	if (!Omega::instance().isRunning()) setLastPositions(scene);
 	const std::lock_guard<std::mutex> lock(mutex_);
 	const bool                        open = !intervals_.empty() && !intervals_.back().placed;

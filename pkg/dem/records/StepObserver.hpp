@@ -31,7 +31,7 @@ public:
 
 	/// Entries since the last call. During a run, the newest entry waits for the next call, because
 	/// its positions are unknown.
-	boost::python::list takeIntervals(const Scene&);
+	boost::python::list takeIntervals();
 
 private:
 	struct Sums {

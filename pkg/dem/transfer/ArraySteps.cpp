@@ -141,7 +141,11 @@ std::string ArraySteps::bodiesReason(const Scene& scene, const rcr::Step& step)
 		const bool           grain = body.shape.grain();
 		// gather rejects obstacles that a free Box would pass through
 		if (body.free && body.shape.kind == rcr::PlanarShape::box) return "a Box that can move";
-		isSynced_[id] |= !grain && (*scene.bodies)[id];
+		const Body* b = (*scene.bodies)[id].get();
+		if (b && body.shape.kind == rcr::PlanarShape::none && b->shape && b->isBounded()
+		        && !dynamic_cast<const Wall*>(b->shape.get())) // parallel to the plane
+			return "the shape " + b->shape->getClassName() + " of body #" + std::to_string(id);
+		isSynced_[id] |= !grain && b;
 		grains += grain && !isSynced_[id];
 	}
 	synced_.clear();
@@ -179,8 +183,8 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
         SceneHandles& handles, const std::vector<rcr::PlanarVector>& impulses, rcr::Step& step)
 {
 	reason_ = active_ ? std::string() : sceneReason(scene, engines, step);
-	if (reason_.empty()) reason_ = momentaryReason(scene);
 	if (reason_.empty() && !active_) reason_ = bodiesReason(scene, step);
+	if (reason_.empty()) reason_ = momentaryReason(scene);
 	if (reason_.empty() && !active_) reason_ = strayForceReason(scene, isSynced_);
 	if (!reason_.empty()) return false;
 	const bool first = !active_;
@@ -309,8 +313,9 @@ void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engi
 	const rcr::ContactFilter allows = contactFilter(scene, engines);
 	for (rcr::Pair& pair : pairs_.all) {
 		if (!pair.isNew) continue;
-		if (!validation::requireFrictMat(scene, pair.body1, pair.body2)
-		        || !allows(pair.body1, pair.body2)) {
+		const std::string error = validation::materialError(scene, pair.body1, pair.body2);
+		if (!error.empty()) validation::refuse(error);
+		if (!allows(pair.body1, pair.body2)) {
 			pair.pointCount = 0;
 			continue;
 		}

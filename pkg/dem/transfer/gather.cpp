@@ -127,15 +127,19 @@ namespace {
 			if (step_.overdamped)
 				body.velocity
 				        = startVelocity(body.velocity, inertia, step_.startFlow.at(body.center));
-			rcr::PlanarVector& v = step_.problem.freeVelocity[b.getId()];
-			v = rcr::accelerated(body.velocity, inertia, externalForce(b),
-			        plane::toPlane(newton.gravity), step_.dt);
+			if (scene_.isPeriodic) body.velocity = body.velocity + changeOfMeanFlow(s);
+			step_.problem.freeVelocity[b.getId()] = rcr::accelerated(body.velocity, inertia,
+			        externalForce(b), plane::toPlane(newton.gravity), step_.dt);
 			step_.problem.inverseMass[b.getId()] = { inertia.freeX ? 1 / inertia.mass : 0,
 				inertia.freeY ? 1 / inertia.mass : 0,
 				inertia.freeRotation ? 1 / inertia.moment : 0 };
-			if (!scene_.isPeriodic) return;
+		}
+
+		/// Velocity that NewtonIntegrator adds with the mean flow of the cell: no contact opposes it.
+		rcr::PlanarVector changeOfMeanFlow(const State& s) const
+		{
 			const Vector3r mean = change_ * s.pos + Real(step_.dt) * (convection_ * s.vel);
-			v = v + rcr::PlanarVector { double(mean[0]), double(mean[1]),
+			return { double(mean[0]), double(mean[1]),
 				0.5 * double(change_(1, 0) - change_(0, 1)) };
 		}
 
@@ -169,7 +173,6 @@ namespace {
 			RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic()
 			        ? static_cast<RcrGeom*>(i.geom.get())
 			        : nullptr;
-			if (!phys && !geom) return {};
 			if (!phys || !geom)
 				validation::refuse("the contact of ", validation::bodyNames({ id1, id2 }),
 				        " has the geometry ", i.geom->getClassName(), " and the physics ",

@@ -73,11 +73,8 @@ static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 		step.contacts[k].handleIndex = int(handles.sorted.size());
 		rcr::Pair pair;
 		pair.body1 = found.body1, pair.body2 = found.body2;
-		const bool   isListed = scene.interactions->found(pair.body1, pair.body2);
-		Interaction& i        = interactionOf(scene, pair);
-		// The collider may have listed another image. Fast bodies are detected anew in each step.
-		if (scene.isPeriodic && !i.geom
-		    && !(isListed && rcr::mayMeetTwice(step, found.body1, found.body2))) {
+		Interaction& i = interactionOf(scene, pair);
+		if (scene.isPeriodic && !i.geom) { // the collider may have listed another image
 			const Vector3r cells = scene.cell->hSize.inverse() * plane::toSpace(found.shift);
 			i.cellDist           = Vector3r(cells.array().round()).cast<int>();
 		}

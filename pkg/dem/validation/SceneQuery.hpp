@@ -80,6 +80,11 @@ std::string integrator(const SceneQuery&);
 std::string timeStepper(const SceneQuery&);
 std::string firstTimeStep(const SceneQuery&);
 std::string bounds(const SceneQuery&);
+std::string verletDistance(const SceneQuery&);
+
+/// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get
+/// the same look-ahead as Rcrs.
+void replaceSphereBounds(const Scene&);
 
 // Rules on bodies (bodies.cpp).
 std::string invalidBodies(const SceneQuery&);
@@ -87,6 +92,9 @@ std::string materials(const SceneQuery&);
 
 // Rules on pairs of shapes (pairs.cpp).
 std::string unsupportedPairs(const SceneQuery&);
+std::string foreignContacts(const SceneQuery&);
+/// Lets YADE look for the functors of all listed pairs anew.
+void forgetFunctors(const Scene&);
 
 // Rules on the periodic cell (cell.cpp).
 std::string wallsInCell(const SceneQuery&);

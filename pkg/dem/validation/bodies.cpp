@@ -20,10 +20,9 @@ static std::string motionError(const Body& b)
 	if (!s.pos.allFinite()) return message("position", s.pos, "pos");
 	if (!s.vel.allFinite()) return message("velocity", s.vel, "vel");
 	if (!s.angVel.allFinite()) return message("angular velocity", s.angVel, "angVel");
-	if (s.ori.coeffs().allFinite()) return {};
-	return bodyNames({ b.getId() })
-	        + " has an orientation that is not finite; set b.state.ori = Quaternion((0, 0, 1), "
-	          "angle).";
+	if (math::abs(s.ori.norm() - 1) < 1e-6) return {};
+	return bodyNames({ b.getId() }) + " has an orientation of the norm " + text(s.ori.norm())
+	        + "; expected 1: set b.state.ori = Quaternion((0, 0, 1), angle).";
 }
 
 /// Message about an invalid mass or moment of inertia of a free body; empty: both are valid.
@@ -189,7 +188,7 @@ std::string turningWarning(const Scene& scene)
 			continue;
 		return bodyNames({ b->getId() })
 		        + " turns about its own centre. YADE's collider sees displacements only, so grains "
-		          "can pass through it; set verletDist=0 of the InsertionSortCollider.";
+		          "can pass through it; put a new InsertionSortCollider(…, verletDist=0) into O.engines.";
 	}
 	return {};
 }

@@ -54,6 +54,38 @@ static Real halfLongestEdge(const Facet& facet)
 	return longest / 2;
 }
 
+/// Half the box of a body in any direction, at most.
+static Real halfBox(const Body& b)
+{
+	if (const auto* facet = dynamic_cast<const Facet*>(b.shape.get())) // not of its segment
+		return halfLongestEdge(*facet);
+	const Real half = plane::shapeOf(*b.shape, *b.state, b.state->pos.z()).radius();
+	const auto* box = dynamic_cast<const Box*>(b.shape.get());
+	return box ? math::max(half, box->extents[2]) : half;
+}
+
+/// Largest distance of a point of a clump from its centre.
+static Real clumpRadius(const Body& clump, const Scene& scene)
+{
+	Real radius = 0;
+	for (const auto& [id, place] : static_cast<const Clump&>(*clump.shape).members) {
+		const Body& b = *(*scene.bodies)[id];
+		radius        = math::max(radius,
+		        place.position.norm() + plane::shapeOf(*b.shape, *b.state, b.state->pos.z()).radius());
+	}
+	return radius;
+}
+
+/// Least radius of a Sphere; 0 without one.
+static Real smallestSphere(const Scene& scene)
+{
+	Real least = std::numeric_limits<Real>::infinity();
+	for (const auto& b : *scene.bodies)
+		if (const auto* sphere = b ? dynamic_cast<const Sphere*>(b->shape.get()) : nullptr)
+			least = math::min(least, sphere->radius);
+	return math::isinf(least) ? Real(0) : least;
+}
+
 /// Rejects cells in which YADE's collider would end the process, since a body spans half of the
 /// cell.
 std::string smallCell(const SceneQuery& v)
@@ -62,14 +94,22 @@ std::string smallCell(const SceneQuery& v)
 	// YADE ends at half boxes of 0.25 cells; 0.24 leaves a margin for shrinking
 	constexpr Real most = 0.24;
 	const auto* collider = v.first<InsertionSortCollider>();
-	const Real     margin   = collider ? math::max(Real(0), collider->verletDist) : Real(0),
-	           wider        = boxWidening(v.scene).maxCoeff();
-	const Real  size   = v.scene.cell->getSize().minCoeff();
+	const Real wider = boxWidening(v.scene).maxCoeff();
+	const Real size  = v.scene.cell->getSize().minCoeff();
+	Real       margin = collider ? collider->verletDist : Real(0);
+	if (margin < 0) margin *= -smallestSphere(v.scene); // as the collider does
 	for (const auto& b : *v.scene.bodies) {
-		if (!b || !b->shape || b->isClump()) continue;
-		const Real half = b->shape->getClassIndex() == Facet::getClassIndexStatic()
-		        ? halfLongestEdge(static_cast<const Facet&>(*b->shape)) // not of its segment
-		        : plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
+		if (!b || !b->shape) continue;
+		if (b->isClump()) {
+			const Real length = 2 * clumpRadius(*b, v.scene),
+			           inPlane = math::min(v.scene.cell->getSize()[0], v.scene.cell->getSize()[1]);
+			if (wider * length < inPlane) continue;
+			return "the clump " + bodyNames({ b->getId() }) + " may be " + text(length)
+			        + " long and the periodic cell is " + text(inPlane)
+			        + " wide at its narrowest, so the clump would meet its own image; expected a "
+			          "larger cell: O.cell.setBox(…).";
+		}
+		const Real half = halfBox(*b);
 		if (wider * half + margin < most * size && largestBoxShare * size + margin < most * size)
 			continue;
 		return "the periodic cell is " + text(size) + " wide at its narrowest, "

@@ -4,6 +4,13 @@
 
 namespace yade::validation {
 
+// YADE's strideActive is private. An explicit template instantiation may name private members.
+bool isStriding(const InsertionSortCollider&);
+template <bool InsertionSortCollider::*member> struct Striding {
+	friend bool isStriding(const InsertionSortCollider& collider) { return collider.*member; }
+};
+template struct Striding<&InsertionSortCollider::strideActive>;
+
 /// Returns true if the engine sets positions or velocities.
 static bool moves(const Engine& engine)
 {
@@ -172,6 +179,36 @@ std::string bounds(const SceneQuery& v)
 		        + " would meet nothing; put Bo1_" + shape + "_Aabb() into its list.";
 	}
 	return {};
+}
+
+std::string verletDistance(const SceneQuery& v)
+{
+	const auto* collider = v.first<InsertionSortCollider>();
+	if (!collider || !isStriding(*collider) || collider->verletDist > 0) return {};
+	return "the InsertionSortCollider has verletDist = " + text(collider->verletDist)
+	        + " after steps with a larger one, for which YADE ends the process; put a new "
+	          "InsertionSortCollider into O.engines.";
+}
+
+void replaceSphereBounds(const Scene& scene)
+{
+	if (SceneQuery(scene).law != rigid) return;
+	for (const auto& e : scene.engines) {
+		Collider* collider = dynamic_cast<Collider*>(e.get());
+		if (!collider) continue;
+		auto       functors = collider->boundDispatcher->functors;
+		const auto sphere   = std::find_if(functors.begin(), functors.end(),
+                    [](const auto& f) { return f->getClassName() == "Bo1_Sphere_Aabb"; });
+		if (sphere == functors.end()) continue;
+		auto disc = boost::make_shared<Bo1_Disc_Aabb>();
+		disc->aabbEnlargeFactor = static_cast<const Bo1_Sphere_Aabb&>(**sphere).aabbEnlargeFactor;
+		*sphere = disc;
+		collider->boundDispatcher->functors_set(functors);
+		for (const auto& b : *scene.bodies)
+			if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get()))
+				b->shape->boundFunctor = nullptr; // a cache
+		return;
+	}
 }
 
 } // namespace yade::validation

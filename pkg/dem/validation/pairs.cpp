@@ -193,6 +193,32 @@ std::string unsupportedPairs(const SceneQuery& v)
 	          "common bit.";
 }
 
+/// Rejects contacts of YADE's functors between shapes that functors of rcr handle now.
+std::string foreignContacts(const SceneQuery& v)
+{
+	if (!v.loop) return {};
+	for (const auto& i : *v.scene.interactions) {
+		if (!i->isReal() || dynamic_cast<const RcrGeom*>(i->geom.get())) continue;
+		const shared_ptr<Body>&one = (*v.scene.bodies)[i->getId1()], &two
+		        = (*v.scene.bodies)[i->getId2()];
+		if (!one || !two || !one->shape || !two->shape) continue;
+		shared_ptr<Shape> shape1 = one->shape, shape2 = two->shape;
+		bool              swap;
+		const auto functor = v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap);
+		if (!functor || functor->getBaseClassName() != "Ig2_Planar_RcrGeom") continue;
+		return "the contact of " + bodyNames({ one->getId(), two->getId() }) + " has the geometry "
+		        + i->geom->getClassName()
+		        + " of other functors; call O.interactions.clear() after a change of functors.";
+	}
+	return {};
+}
+
+void forgetFunctors(const Scene& scene)
+{
+	for (const auto& i : *scene.interactions)
+		if (!i->isReal()) i->reset();
+}
+
 void refuseUnsupported(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	const Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];

@@ -150,6 +150,8 @@ namespace {
 		{ any,     smallCell },
 		{ any,     invalidBodies },
 		{ any,     unsupportedPairs },
+		{ any,     foreignContacts },
+		{ any,     verletDistance },
 	};
 	// clang-format on
 
@@ -205,29 +207,6 @@ std::string missingSolver(const Scene& scene)
 	        "InteractionLoop and the NewtonIntegrator.");
 }
 
-/// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get
-/// the same look-ahead as Rcrs.
-static void replaceSphereBounds(const Scene& scene)
-{
-	if (SceneQuery(scene).law != rigid) return;
-	for (const auto& e : scene.engines) {
-		Collider* collider = dynamic_cast<Collider*>(e.get());
-		if (!collider) continue;
-		auto       functors = collider->boundDispatcher->functors;
-		const auto sphere   = std::find_if(functors.begin(), functors.end(),
-                    [](const auto& f) { return f->getClassName() == "Bo1_Sphere_Aabb"; });
-		if (sphere == functors.end()) continue;
-		auto disc = boost::make_shared<Bo1_Disc_Aabb>();
-		disc->aabbEnlargeFactor = static_cast<const Bo1_Sphere_Aabb&>(**sphere).aabbEnlargeFactor;
-		*sphere = disc;
-		collider->boundDispatcher->functors_set(functors);
-		for (const auto& b : *scene.bodies)
-			if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get()))
-				b->shape->boundFunctor = nullptr; // a cache
-		return;
-	}
-}
-
 std::string prepareRun(Scene& scene)
 {
 	static PairExclusions last; // of the last run
@@ -235,6 +214,7 @@ std::string prepareRun(Scene& scene)
 	const std::string     error = sceneError(scene);
 	if (!error.empty()) return error;
 	replaceSphereBounds(scene);
+	if (view.law != neither) forgetFunctors(scene);
 	if (scene.isPeriodic && !view.first<ContactDynamics>()) suppressHomoDeform(scene, false);
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
 	// lets a collider that YADE has cleared list all bodies, also after an erasure
@@ -255,13 +235,15 @@ void Validator::checkLastStep(const SceneQuery& v)
 		       "otherwise than solved; change it by an engine before ContactDynamics or after "
 		       "NewtonIntegrator.");
 	if (change <= 1e-6 * v.scene.dt + 1e-12 * v.scene.time) return;
-	const int integrator = v.indexOf<NewtonIntegrator>();
-	// an engine after the integrator may change the time step
-	if (integrator > v.indexOf<ContactDynamics>() + 1
-	        && integrator == int(v.scene.engines.size()) - 1)
+	const int  integrator = v.indexOf<NewtonIntegrator>();
+	const bool cellMoves  = v.scene.isPeriodic && gradient_ != Matrix3r::Zero();
+	// an engine after the integrator may change the time step, unless YADE then moves the cell by it
+	if (cellMoves
+	        || (integrator > v.indexOf<ContactDynamics>() + 1
+	                && integrator == int(v.scene.engines.size()) - 1))
 		refuse("O.dt changed after ContactDynamics in the last step, so NewtonIntegrator applied "
-		       "wrong forces; change O.dt by an engine before ContactDynamics or after "
-		       "NewtonIntegrator.");
+		       "wrong forces, or the cell moved by another step than its grains; change O.dt by an "
+		       "engine before ContactDynamics.");
 }
 
 bool Validator::hasNewScene(const Scene& scene)
@@ -290,6 +272,7 @@ Engines Validator::validate(const Scene& scene)
 	const std::string message = sceneError(scene);
 	if (!message.empty()) refuse(message);
 	replaceSphereBounds(scene);
+	forgetFunctors(scene);
 	engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(),
 		view.first<Collider>(), view.first<CellStress>() };
 	seen_    = signature(scene);
@@ -301,19 +284,33 @@ bool isFrictional(const Material* material)
 	return dynamic_cast<const FrictMat*>(material) && material->getClassName() != "CohFrictMat";
 }
 
-bool requireFrictMat(const Scene& scene, Body::id_t id1, Body::id_t id2)
+std::string materialError(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	for (Body::id_t id : { id1, id2 }) {
 		const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
 		if (isFrictional(material.get())) continue;
-		deferError(bodyNames({ id }) + " has "
+		return bodyNames({ id }) + " has "
 		        + (material ? "the material " + material->getClassName()
 		                    : std::string("no material"))
 		        + " and touches #" + std::to_string(id == id1 ? id2 : id1)
-		        + "; give it a FrictMat.");
-		return false;
+		        + "; give it a FrictMat.";
 	}
-	return true;
+	return {};
+}
+
+/// Reports an error from a parallel loop before the solve of a step.
+static void report(const SceneQuery& view, const std::string& message)
+{
+	if (view.indexOf<ContactDynamics>() < 0) deferError(message);
+	else
+		leaveSceneError(view.scene, message);
+}
+
+bool requireFrictMat(const Scene& scene, Body::id_t id1, Body::id_t id2)
+{
+	const std::string error = materialError(scene, id1, id2);
+	if (!error.empty()) report(SceneQuery(scene), error);
+	return error.empty();
 }
 
 bool mayCollide(const Scene& scene, Collider& collider, Body::id_t id1, Body::id_t id2)
@@ -342,8 +339,7 @@ bool acceptContact(const Interaction& i, const Scene& scene)
 		passed = now;
 		return true;
 	}
-	if (view.indexOf<ContactDynamics>() < 0) deferError(message);
-	else leaveSceneError(scene, message);
+	report(view, message);
 	return false;
 }
 

@@ -91,7 +91,8 @@ public:
 	/// Returns true also within the recorded step: in engines after ContactDynamics.
 	bool hasSolved(const Scene& scene) const
 	{
-		return isNextStep(scene) || scene.iter + 1 == nextStep_;
+		return scene_.lock().get() == &scene
+		        && (isNextStep(scene) || scene.iter + 1 == nextStep_);
 	}
 
 private:
@@ -115,11 +116,13 @@ bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
 /// Returns true for a FrictMat. A CohFrictMat is none: its cohesion and rolling resistance would have
 /// no effect.
 bool isFrictional(const Material*);
-/// Returns true if both bodies have a FrictMat; otherwise defers an error to Python.
+/// Message about a body of a contact without a FrictMat; empty: both have one.
+std::string materialError(const Scene&, Body::id_t id1, Body::id_t id2);
+/// Returns true if materialError is empty; otherwise reports it as acceptContact does.
 bool requireFrictMat(const Scene&, Body::id_t id1, Body::id_t id2);
 /// Returns true if the interaction may become a contact. Its bodies must have a FrictMat, YADE must
 /// allow the pair, and the scene must be valid. ContactDynamics throws the error of the scene later
-/// in this step. Errors of materials, and of scenes without ContactDynamics, are deferred to Python.
+/// in this step. Errors of scenes without ContactDynamics are deferred to Python.
 bool acceptContact(const Interaction&, const Scene&);
 
 bool isGrain(const Body&);  // an Rcr or a disc

@@ -151,7 +151,9 @@ namespace {
 				energy -= dot(p, u);
 				if (p.n <= noiseShare * largest) continue;
 				mass += 1 / block(k).nn;
-				speed = std::max(speed, std::sqrt(square(problem_.freeVelocity[k])));
+				speed = std::max(speed,
+				        std::max(1.0, problem_.friction[k])
+				                * std::sqrt(square(problem_.freeVelocity[k])));
 			}
 			return rcr::exceedsEnergyBound(energy, std::sqrt(mass) * speed);
 		}
@@ -161,10 +163,10 @@ namespace {
 		{
 			double largest = 0, closing = 0;
 			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
-				largest = std::max(largest, std::abs(problem_.freeVelocity[k].n));
+				largest = std::max(largest, std::sqrt(square(problem_.freeVelocity[k])));
 				if (block(k).nn <= 0) closing = std::max(closing, -problem_.velocity[k].n);
 			}
-			return closing > 1e-12 * largest;
+			return closing > roundingShare * largest;
 		}
 
 	private:

@@ -246,13 +246,6 @@ double detectionReach(const Step& step, std::size_t id)
 	return std::max(step.bodies[id].alertDistance, step.widenedReach[id]);
 }
 
-bool mayMeetTwice(const Step& step, std::size_t body1, std::size_t body2)
-{
-	const auto extent
-	        = [&](std::size_t id) { return step.bodies[id].radius + detectionReach(step, id); };
-	return extent(body1) + extent(body2) > 0.5 * step.cell.smallestHeight();
-}
-
 bool findUnlistedContacts(
         Step& step, const std::vector<std::int32_t>& bodies, const ContactFilter& allowsContact)
 {

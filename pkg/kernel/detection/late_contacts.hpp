@@ -54,10 +54,6 @@ double detectionReach(const Step&, std::size_t id);
 /// true if one of them is late. A further solve requires addFoundContacts.
 bool findLateContacts(Step&, const ContactFilter&);
 
-/// Returns true if the sum of radii and reaches of two bodies exceeds half the smallest height of
-/// the cell. They may meet at two images, and only the contact of the nearest images is detected.
-bool mayMeetTwice(const Step&, std::size_t body1, std::size_t body2);
-
 /// Returns true if the sum of radii and paths of two bodies exceeds half the smallest height of the
 /// cell, so that they may meet at two images.
 bool spansHalfCell(const Step&);

@@ -95,7 +95,7 @@ struct ContactPoint {
 	{
 		return drift.x != 0 || drift.y != 0 || shift.x != 0 || shift.y != 0;
 	}
-	/// d without the contribution δg ∘ s of the stretch rate.
+	/// d without the contribution δg ∘ s of a stretch rate.
 	Vec2 freeDrift(Vec2 stretchRate) const { return drift - componentwise(stretchRate, shift); }
 };
 
@@ -157,20 +157,20 @@ inline LocalVector relativeVelocity(const ContactProblem& problem, const Contact
 	return relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 }
 
-/// u at a point for these velocities of its bodies, without the stretch by contacts [m/s].
-inline LocalVector relativeVelocityWithoutStretch(const ContactProblem& problem,
-        const ContactPoint& c, const PlanarVector& v1, const PlanarVector& v2)
+/// u at a point for these velocities of its bodies, without this stretch rate of the cell [m/s].
+inline LocalVector relativeVelocityWithoutStretch(const ContactPoint& c, Vec2 stretchRate,
+        const PlanarVector& v1, const PlanarVector& v2)
 {
 	ContactPoint free = c;
-	free.drift        = c.freeDrift(problem.stretchRate);
+	free.drift        = c.freeDrift(stretchRate);
 	return relativeVelocity(free, v1, v2);
 }
 
 /// u at a point for the free velocities of its bodies, without the stretch by contacts [m/s].
 inline LocalVector freeRelativeVelocity(const ContactProblem& problem, const ContactPoint& c)
 {
-	return relativeVelocityWithoutStretch(
-	        problem, c, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
+	return relativeVelocityWithoutStretch(c, problem.stretchRate, problem.freeVelocity[c.body1],
+	        problem.freeVelocity[c.body2]);
 }
 
 /// Components along x and y of an impulse (n, t) at a point with this normal.

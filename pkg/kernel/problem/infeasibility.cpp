@@ -37,7 +37,8 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Loc
 		if (d[k].n <= noiseShare * largest) continue;
 		const ContactPoint& c = problem.points[k];
 		const LocalVector   u = freeRelativeVelocity(problem, c);
-		speed2                = std::max(speed2, square(u));
+		// a point that slides at |u_t| opens at µ |u_t|
+		speed2 = std::max(speed2, square(u) * std::max(1.0, c.friction * c.friction));
 		opening += std::max(0.0, -c.bias);
 		include(c.body1, c.arm1, delassus(c, problem.inverseMass[c.body1], {}).nn);
 		include(c.body2, c.arm2, delassus(c, {}, problem.inverseMass[c.body2]).nn);
@@ -93,6 +94,11 @@ double costOf(const ContactProblem& problem, std::size_t k)
 bool exceedsEnergyBound(double energy, double velocityScale)
 {
 	return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
+}
+
+bool exceedsChangeBound(const ContactProblem& problem)
+{
+	return velocityChangeBound(problem, problem.impulse) > maxChange;
 }
 
 bool exceedsEnergyBound(const ContactProblem& problem)

@@ -11,9 +11,9 @@
 // (Jᵀ d → 0), and are pressed together. An example is a wedge between driven walls. Solvers diverge
 // along such directions in a step without a solution.
 //
-// The scale of a velocity change is V_s = √(Σ m) (max |u_free| + Σ max(0, −b_n)) over the bodies
-// and points where d acts. The biases of all these points add up, because overlaps push a row of
-// bodies apart at the sum of their speeds. Measurements cover 20 to 2000 grains at rest, in flow,
+// The scale of a velocity change is V_s = √(Σ m) (max µ₁ |u_free| + Σ max(0, −b_n)) over the bodies
+// and points where d acts, with µ₁ = max(1, µ). The biases of all these points add up, because
+// overlaps push a row of bodies apart at the sum of their speeds. Measurements cover 20 to 2000 grains at rest, in flow,
 // and driven. Solved steps need at most 1.0 V_s and dissipate at most 0.2 V_s². In feasible steps
 // that miss the tolerance, growing impulses imply at most 0.2 V_s. In steps without a solution, all
 // three measures grow without bound. Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion);
@@ -33,9 +33,13 @@ double dissipatedEnergy(const ContactProblem&);
 /// Solvers that start far from the solution can end with such impulses.
 double costOf(const ContactProblem&, std::size_t point);
 
-/// Returns true if 2 √E > 3 V_s, with the dissipated energy E. With d = p and N² = pᵀWp, the bound
-/// above is (E + N²)/N ≥ 2 √E. The velocities would then have to change by more than 3 V_s. This
-/// detects steps without a solution whose impulses are so large that their relative error is small.
+/// Returns true if the bound for d = p exceeds 3 V_s. This detects steps without a solution whose
+/// impulses are so large that their relative error is small.
+bool exceedsChangeBound(const ContactProblem&);
+
+/// Returns true if 2 √E > 3 V_s, with the dissipated energy E. With N² = pᵀWp, the bound for d = p
+/// is (E + N²)/N ≥ 2 √E, so this test is the weaker one. Yielding contacts keep steps rigid that
+/// only the stronger one would find.
 bool exceedsEnergyBound(const ContactProblem&);
 
 /// The same test for an energy and the velocity scale V_s of its bodies.

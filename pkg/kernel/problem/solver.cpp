@@ -61,6 +61,15 @@ static bool mustYieldAt(const ContactProblem& problem, std::size_t k, const Sett
 	        || closesBlocked(problem, problem.points[k], settings.roundingVelocity);
 }
 
+/// Largest |u_free| of a point [m/s].
+static double freeSpeed(const ContactProblem& problem)
+{
+	return std::sqrt(std::accumulate(problem.points.begin(), problem.points.end(), 0.0,
+	        [&](double largest, const ContactPoint& c) {
+		        return std::max(largest, square(freeRelativeVelocity(problem, c)));
+	        }));
+}
+
 using PointIterator = std::vector<std::int32_t>::const_iterator;
 
 /// Returns true if the impulses of these points, those of an island, would add energy to the step.
@@ -128,9 +137,10 @@ static bool isFine(const ContactProblem& problem, const Settings& settings)
 
 static Settings firstSweepsOfAuto(const Settings& settings, int points)
 {
+	if (settings.tolerance == 0) return settings;
 	Settings sweeps    = settings;
 	sweeps.stallSweeps = patience(points);
-	if (settings.tolerance == 0 || points > smallProblem) return sweeps;
+	if (points > smallProblem) return sweeps;
 	sweeps.velocityFloor *= smallProblemFloorFactor;
 	sweeps.maxIterations = std::min(leastPatience, settings.maxIterations);
 	return sweeps;
@@ -252,9 +262,9 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	// mustYield covers problems whose contacts may yield
 	if (rigid.converged && !settings.mayYield() && !settings.solutionExists
 	        // the residual omits blocked contacts, and growing impulses lower it
-	        && (exceedsEnergyBound(problem)
+	        && (exceedsChangeBound(problem)
 	                || closesBlockedContact(problem,
-	                        std::max(settings.roundingVelocity, 1e-12 * drivenSpeed(problem)))))
+	                        std::max(settings.roundingVelocity, roundingShare * freeSpeed(problem)))))
 		rigid.converged = false;
 	if (rigid.converged) {
 		std::fill(problem.yielded.begin(), problem.yielded.end(), false);

@@ -124,6 +124,7 @@ struct PeriodicCell {
 	bool   periodic = false;
 	double h[2][2] {}, inverse[2][2] {}, gradient[2][2] {};
 	double imageSpeed = 0; // largestDrift when contacts were detected [m/s]
+	Vec2   loadRate; // part of the gradient from the load on the cell in this step [1/s]
 
 	/// Returns true if a prescribed component of its motion is not zero. `inverseMass`: of
 	/// stretching along each axis; 0: prescribed.
@@ -196,11 +197,11 @@ struct Step {
 		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].atStart };
 	}
 
-	/// u of a point at the beginning of the step, before contacts stretch the cell [m/s].
+	/// u of a point at the beginning of the step, before loads and contacts stretch the cell [m/s].
 	LocalVector initialVelocity(const ContactPoint& c) const
 	{
-		return relativeVelocityWithoutStretch(
-		        problem, c, bodies[c.body1].velocity, bodies[c.body2].velocity);
+		return relativeVelocityWithoutStretch(c, problem.stretchRate + cell.loadRate,
+		        bodies[c.body1].velocity, bodies[c.body2].velocity);
 	}
 
 	/// A detected point as a point of the problem, with the bias of the law:

@@ -66,13 +66,14 @@ YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const InverseMass& inverse    = problem.inverseMass[id];
 		const bool         isHinged = !inverse.translates();
-		const double       lever      = leastLever * step.bodies[id].radius; // if hinged
+		const double       radius = step.bodies[id].radius, lever = leastLever * radius; // if hinged
 		// without a radius, no contacts
 		if (inverse.prescribed() || (isHinged && lever == 0)) continue;
 		const PlanarVector &v = problem.freeVelocity[id], &before = step.bodies[id].velocity;
 		const auto   speed = [&](const PlanarVector& u) {
             return isHinged ? lever * std::abs(u.rotation)
-			             : norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 });
+			             : norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 })
+			                + radius * std::abs(u.rotation);
 		};
 		const double mass = isHinged ? 1 / (inverse.rotation * lever * lever) : inverse.mass();
 		++bodies;

@@ -8,7 +8,8 @@
 //   momentum   P = r/N Σ m (V + |v_free|)
 //   loads      L = r/N Σ m |v_free − v⁻|
 //
-// with r = max(√N, contacts in the chain from the drive to the farthest body).
+// with r = max(√N, contacts in the chain from the drive to the farthest body). The speed |v| of a
+// free body is that of its centre plus R |ω|, with the radius R.
 //
 // In a step without a solution, contacts yield (solve_yielding.cpp). A contact of the mean mass m̄
 // that closes at V then bears P + 10 L:

@@ -38,7 +38,7 @@ def atomic_path(path):
     file gets the permissions of the umask. A symbolic link keeps its target.
     """
     check_writable(path)
-    target = os.path.realpath(path)
+    target = os.path.realpath(os.fsdecode(path))
     folder, name = os.path.split(target)
     partial = os.path.join(folder, PART + os.fsdecode(os.fsencode(name)[-200:]))
     with locked(partial):

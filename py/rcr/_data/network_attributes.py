@@ -9,6 +9,7 @@ import numpy as np
 
 from rcr._data import checks
 
+LARGEST = 64000  # bytes of an attribute; HDF5 allows 64 kB with its description
 _FINITE = "a finite number", math.isfinite
 _NUMBERS = dict(  # attribute: expected value, condition
     volume=("the area of the region > 0 [m²]", lambda v: v > 0),
@@ -24,6 +25,8 @@ def checked(attributes):
     """
     found = dict(attributes)
     for name, value in found.items():
+        if not isinstance(name, str) or not _is_text(name) or not name:
+            raise ValueError(f"an attribute has the name {name!r}; expected a text")
         if name in _NUMBERS:
             found[name] = checks.number(f"the attribute {name}", value, *_NUMBERS[name])
         elif name in ("cell", "cell_velocity"):
@@ -32,7 +35,7 @@ def checked(attributes):
             raise checks.error("the attribute stress", np.asarray(value).tolist(),
                                "another name; files hold Network.stress() under this one")
         elif not _is_storable(value):
-            expected = "a number, a text, a list of texts or an array of numbers"
+            expected = "a number, a text, a list of texts or an array of numbers, below 64 kB"
             raise checks.error(f"the attribute {name}", value, expected)
     if "cell" in found and np.linalg.matrix_rank(found["cell"]) < 2:
         expected = "edges as columns that span an area [m²]; leave it out without a periodic cell"
@@ -44,9 +47,20 @@ def _is_storable(value):
     """Return whether an attribute of HDF5 can have this value."""
     texts = value if isinstance(value, (list, tuple)) else [value]
     if all(type(text) is str for text in texts):
-        return not any("\0" in text for text in texts)
+        return all(map(_is_text, texts)) and sum(len(text.encode()) for text in texts) < LARGEST
     try:
-        dtype = getattr(value, "dtype", None) or np.asarray(value).dtype
+        array = np.asarray(value)
     except ValueError:  # rows of several lengths
         return False
-    return dtype.kind in "biufcSV" or dtype.metadata is not None  # texts read by h5py
+    if isinstance(value, bytes) and b"\0" in value or isinstance(value, np.ma.MaskedArray):
+        return False
+    known = array.dtype.kind in "biufcSV" or array.dtype.metadata is not None  # texts of h5py
+    return known and array.nbytes < LARGEST
+
+
+def _is_text(text):
+    """Return whether a file can hold this text."""
+    try:
+        return b"\0" not in text.encode()
+    except UnicodeEncodeError:  # half a character
+        return False

@@ -6,6 +6,8 @@ import numpy as np
 
 from rcr._data import checks
 
+BLOCKED = 1e-20  # largest w_nn/w_tt of a point with a blocked normal direction [-]
+MOST_FRICTION = 1000  # errors of larger coefficients cannot be measured [-]
 SYMMETRY = 1e-8  # largest |W − Wᵀ| over largest |W| [-]; files of Siconos reach 1e-10
 
 
@@ -38,7 +40,7 @@ class BodyProblem:
         for name, shape in (vectors | dict(bias=(nc,), friction=(nc,))).items():
             setattr(self, name, checks.array(name, getattr(self, name), shape))
         checks.require(self.inverse_mass >= 0, "inverse_mass", self.inverse_mass, "≥ 0")
-        checks.require(self.friction >= 0, "friction", self.friction, "µ ≥ 0")
+        _check_friction("friction", self.friction)
         length = np.hypot(*self.normal.T)
         checks.require(abs(length - 1) <= 1e-6, "the length of normal", length, "1")
         one, two = self.bodies.T
@@ -57,12 +59,17 @@ class BodyProblem:
 
     def arrays(self):
         """Return the arguments of the kernels, with the points in their `order`."""
+        self.__post_init__()  # attributes may have been set since
         order, of_bodies = self.order(), ("inverse_mass", "free_velocity")
         columns = vars(self).items()
         return {name: value if name in of_bodies else value[order] for name, value in columns}
 
     def delassus(self):
-        """Return the problem as W and q, a DelassusProblem."""
+        """Return the problem as W and q, a DelassusProblem.
+
+        q_n is at least 0 at points of two prescribed bodies: the contact laws do not apply to them.
+        """
+        self.__post_init__()  # attributes may have been set since
         nc, (a, b), n = self.contacts, self.bodies.T, self.normal
         t = np.stack([-n[:, 1], n[:, 0]], 1)
         cross = lambda r, d: r[:, 0] * d[:, 1] - r[:, 1] * d[:, 0]
@@ -73,9 +80,16 @@ class BodyProblem:
         q = np.zeros((nc, 2))
         np.add.at(q, point, np.einsum("kij,kj->ki", jacobian, self.free_velocity[body]))
         q[:, 0] += self.bias
+        prescribed = (self.inverse_mass[self.bodies] == 0).all((1, 2))
+        q[prescribed, 0] = np.maximum(q[prescribed, 0], 0)
         i, j = self._coupled_sides(body)
         mass = self.inverse_mass[body[i]]
         blocks = np.einsum("kia,ka,kja->kij", jacobian[i], mass, jacobian[j])
+        own, same = np.zeros((nc, 2, 2)), point[i] == point[j]
+        np.add.at(own, point[i][same], blocks[same])
+        moves = np.ones((nc, 2))  # 0: rounding errors of a blocked normal direction
+        moves[:, 0] = own[:, 0, 0] > BLOCKED * own[:, 1, 1]
+        blocks *= moves[point[i], :, None] * moves[point[j], None, :]
         entries = *_places(point[i], point[j]), blocks.ravel()
         return DelassusProblem(entries, q, self.friction, self.impulse)
 
@@ -120,7 +134,7 @@ class DelassusProblem:
         self.q = _pairs("q", q, nc)
         impulse = np.zeros(2 * nc) if impulse is None else impulse
         self.impulse = _pairs("the warm start", impulse, nc)
-        checks.require(self.friction >= 0, "mu", self.friction, "µ ≥ 0")
+        _check_friction("mu", self.friction)
         try:
             row, column, value = entries
         except (TypeError, ValueError):
@@ -168,6 +182,11 @@ class DelassusProblem:
         products = np.einsum("kij,kj->ki", self.block, impulse[self.column])
         np.add.at(u, self._block_rows(), products)
         return u
+
+
+def _check_friction(name, friction):
+    expected = f"µ ≥ 0, and at most {MOST_FRICTION}"
+    checks.require((friction >= 0) & (friction <= MOST_FRICTION), name, friction, expected)
 
 
 def _places(row, column):

@@ -12,7 +12,7 @@ from rcr._data import checks
 from rcr._pictures.grain_outlines import polygons
 
 COLUMN, PAGE = 3.4, 7.0  # widths of a figure [in]
-TALLEST = 9.0  # largest height of a picture [in]
+LOWEST, TALLEST = 0.05, 9.0  # bounds of the height of a picture [in]
 LEGEND, FOOT = 5.5, 0.45  # smallest width of a picture with a legend below; its height [in]
 STYLE = {
     "font.size": 8, "font.family": "sans-serif", "mathtext.fontset": "dejavusans",
@@ -43,7 +43,7 @@ def page(limits, legend):
     smallest = 1e-9 * np.abs(limits).max() + 1e-300
     across, up = np.maximum(limits[1] - limits[0], smallest)
     least, foot = (LEGEND, FOOT) if legend else (1, 0)
-    body = min(PAGE * up / across, TALLEST)
+    body = min(max(PAGE * up / across, LOWEST), TALLEST)
     width, height = min(PAGE, max(body * across / up, least)), body + foot
     figure = Figure(figsize=(width, height))
     return canvas(limits, figure.add_axes((0, foot / height, 1, body / height)))

@@ -141,7 +141,7 @@ def _farthest(shape):
     """Return the largest distance of a point of a box or facet from its centre [m]."""
     if isinstance(shape, Facet):
         return max(corner.norm() for corner in shape.vertices)
-    return math.hypot(*shape.extents[:2]) if isinstance(shape, Box) else 0.0
+    return math.hypot(shape.extents[0], shape.extents[1]) if isinstance(shape, Box) else 0.0
 
 
 def _leapfrog_step(frequency, ratio):

@@ -194,7 +194,9 @@ class Biaxial:
         failed = max(self.strain, self.progress["failed_strain"])
         divisor, seconds = self.progress["divisor"] + 1, self.progress["wall_seconds"]
         path = checkpoint.states(folder, self.strain)[-checkpoint.KEPT_STATES:][0]
+        threads = self.parameters["threads"]
         self.__init__(*checkpoint.load_file(path))
+        self.parameters["threads"] = self.solver.threads = threads
         self.progress.update(divisor=divisor, failed_strain=failed, wall_seconds=seconds,
                              repeated=self.progress["repeated"] + 1)
 

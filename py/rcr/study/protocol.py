@@ -151,8 +151,8 @@ def _checked(name, value):
 def _check_combination(parameters):
     """Raise ValueError for parameters that exclude each other."""
     law, strain = parameters["law"], parameters["inertial_number"] * parameters["time_step"]
-    if law == "cd" and strain > PROTOCOL.record_strain:
-        expected = f"at most {PROTOCOL.record_strain:g}, the strain of a record"
+    if law == "cd" and not 1e-12 <= strain <= PROTOCOL.record_strain:
+        expected = f"at least 1e-12, and at most {PROTOCOL.record_strain:g}, the strain of a record"
         given = f"inertial_number × time_step = {strain:g} is the strain of a step"
         raise ValueError(f"{given}; expected {expected}")
     for name, user in dict(stiffness="smooth", time_step="cd").items():

@@ -235,3 +235,33 @@ def test_a_jam_that_is_tried_again_counts_no_step():
         with contextlib.suppress(RuntimeError):
             O.step()
     assert solver().yieldedSteps == O.iter
+
+
+@pytest.mark.parametrize("elastic", [False, True], ids=["torque", "impact"])
+def test_a_drive_elsewhere_does_not_let_turning_bodies_yield(elastic):
+    """Pegs hold a rod against a torque, or reflect its spin; far away, a wall creeps."""
+    def end(speed):
+        m = material(0 if elastic else 0.3)
+        build(rcr.wall("x", 0.3, velocity=speed, material=m), rcr.disc((0.31, 0), 0.01, m),
+              rcr.disc((0.015, 0.013 if elastic else 0.007), 0.005, m, fixed=True),
+              rcr.disc((-0.015, -0.007 if not elastic else -0.05), 0.005, m, fixed=True),
+              rcr.particle((0, 0), 0.02, 0.9, material=m, angular_velocity=20 * elastic),
+              gravity=(0, 0, 0), dt=1e-4, restitution=float(elastic), tolerance=1e-8)
+        if not elastic:
+            O.forces.setPermT(4, (0, 0, 30))
+        O.run(400, True)
+        assert solver().yieldedSteps == 0
+        return O.bodies[4].state.angVel[2]
+
+    assert end(1e-3) == pytest.approx(end(0), rel=1e-3, abs=1e-6)
+
+
+def test_a_large_friction_is_no_jam():
+    """A guided grain rests on a belt: p = (m g dt, ±µ m g dt)."""
+    m = material(5.0)
+    grain = rcr.particle((0, 0.01), 0.01, 0.5, material=m, angle=math.pi / 2)
+    build(rcr.segment((-1, 0), (1, 0), material=m), grain, tolerance=1e-6)
+    set_state(0, vel=(0.01, 0, 0))
+    set_state(1, blockedDOFs="xzXYZ")
+    O.run(100, True)
+    assert solver().missedSteps == solver().yieldedSteps == 0

@@ -271,3 +271,18 @@ def test_a_reset_of_the_time_loses_no_energy():
         return dict(O.energy.items())["impactDissip"]
 
     assert dissipated(False) > 0 and dissipated(True) == dissipated(False)
+
+
+def test_no_energy_of_an_earlier_account_is_entered():
+    grain_on_floor(0, height=0.2)
+    O.trackEnergy = True
+    while not solver().contactPoints:
+        O.step()
+    O.step()
+    O.trackEnergy = False
+    O.run(100, True)
+    O.energy.clear()
+    O.bodies[1].state.pos = (0, 5, 0)
+    O.trackEnergy = True
+    O.run(10, True)
+    assert dict(O.energy.items()).get("impactDissip", 0) == 0

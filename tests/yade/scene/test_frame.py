@@ -320,6 +320,8 @@ def test_a_network_has_the_stresses_and_forces_of_its_scene(resting, tmp_path):
     (lambda: set_state(vel=(0, -1, 0)), "the velocity of .*#1 differs from that in the last step"),
     (lambda: set_state(0, vel=(0, 1, 0)),
      "the velocity of .*#0 differs from that in the last step"),
+    (lambda: set_state(pos=(0, 0.5, 0)), "the place of .*#1 differs from that in the last step"),
+    (lambda: (O.resetTime(), set_state(vel=(0, 2, 0))), "the velocity of .*#1 differs"),
 ])
 def test_stresses_need_the_state_after_the_step(change, says):
     """O.dt and velocities give the positions at which the forces of the last step acted."""
@@ -519,3 +521,42 @@ def test_a_scene_is_not_read_during_a_step(tmp_path):
     for read in reads:
         read()
     assert found and not O.running
+
+
+@pytest.mark.parametrize("speed", [0, 1, -1])
+def test_a_profile_holds_all_contacts_of_a_moving_scene(speed):
+    """Contacts are at the time of their forces, up to v dt outside the box of the grains."""
+    m = material()
+    build(rcr.wall("y", 0, 1, speed, m),
+          *(rcr.disc((0, 0.01 + 0.02 * k), 0.01, m) for k in range(3)), dt=3e-3)
+    for body in O.bodies:
+        body.state.vel = (0, speed, 0)
+    O.run(50, True)
+    profile = rcr.Profile((1, 3)).compute()
+    total = profile.stress.sum(axis=(0, 1)) * profile.cell_area
+    assert total == pytest.approx(rcr.contact_network(volume=1).stress(), rel=1e-6, abs=1e-9)
+
+
+def test_contacts_in_tension_are_left_out_with_a_warning():
+    m = springy()
+    build(*(rcr.disc((x, 0), 0.1, m, fixed=x == 0) for x in (0, 0.1999, 0.3998)), law="smooth",
+          dt=1e-6, gravity=(0, 0, 0))
+    O.step()
+    first = next(i for i in O.interactions if i.isReal)
+    first.phys.normalForce = -first.phys.normalForce
+    with pytest.warns(UserWarning, match="1 contacts in tension are left out"):
+        assert len(rcr.contact_network(volume=1).contacts["body1"]) == 1
+
+
+def test_a_loaded_scene_has_a_network(tmp_path):
+    """An engine that has just been loaded belongs to the scene of before, which is freed."""
+    path = str(tmp_path / "scene.yade.gz")
+    m = material()
+    build(rcr.wall("y", 0, material=m), rcr.disc((0, 0.1), 0.1, m))
+    O.run(3, True)
+    O.save(path, quiet=True)
+    for _ in range(10):
+        O.load(path, quiet=True)
+        kept = [np.full(size, -1) for size in range(64, 400) for _ in range(8)]
+        assert len(rcr.contact_network(volume=1).contacts["body1"]) == 1
+        assert O.engines[3].observations() == [] and kept

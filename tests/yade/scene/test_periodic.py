@@ -11,7 +11,7 @@ from scenes import (LAWS, assert_refused, assert_reload_changes_nothing, build, 
 from yade import O, utils
 from yade.minieigenHP import Matrix3, Quaternion
 from yade.wrapper import (InsertionSortCollider, Peri3dController, PeriIsoCompressor,
-                          PeriTriaxController)
+                          PeriTriaxController, PyRunner)
 
 
 def scene(law, *bodies, size=2.0, gravity=(0, 0, 0), **options):
@@ -488,3 +488,101 @@ def test_energy_of_a_cell_that_is_driven_closes():
         totals.append(kinetic() + sum(accounts.values()) - accounts.get("kinetic", 0))
     assert accounts["driveWork"] < 0 < accounts["plastDissip"]
     assert abs(np.median(totals)) < 0.002 * abs(accounts["driveWork"]), (totals, accounts)
+
+
+@pytest.mark.parametrize("e", [0, 0.5, 0.9])
+def test_the_stress_of_a_cell_is_no_impact(e):
+    """Five discs that touch bear σ L at any restitution, from the first step on."""
+    pressed(*[rcr.disc((0.2 + 0.4 * k, 1), 0.2, material()) for k in range(5)],
+            stress=(100, math.nan), tolerance=1e-10, maxIterations=5000, restitution=e)
+    forces = []
+    for _ in range(20):
+        steps(1)
+        forces += [i.phys.normalForce.norm() for i in O.interactions if i.isReal]
+    assert forces == pytest.approx([200] * 100, rel=1e-4)
+
+
+@pytest.mark.parametrize("homo_deform", [1, 2])
+def test_a_new_motion_of_the_cell_is_no_impact(homo_deform):
+    """Gaps of 2 % are four steps wide; the mean field closes all of them alike."""
+    m = material()
+    scene("rigid", *(rcr.disc((0.25 * i + 0.125, 0.25 * j + 0.125), 0.1245, m)
+                     for i in range(8) for j in range(8)), restitution=0.9)
+    O.cell.homoDeform = homo_deform
+    O.cell.velGrad = plane(-1, 0, 0, -1)
+    steps(1)
+    assert not any(i.phys.normalForce.norm() for i in O.interactions if i.isReal)
+    assert max(O.cell.getFluctuationVelocity(b).norm() for b in O.bodies) < 5e-3
+
+
+def test_a_new_time_step_keeps_the_images_of_a_moving_cell():
+    """YADE moves the cell by the new step, after the bodies have moved by the old one."""
+    m = material(0)
+    scene("rigid", *(rcr.disc((x, 1), 0.125, m) for x in (0.2, 1.5)), dt=1e-4)
+    O.cell.homoDeform = 0
+    O.cell.velGrad = plane(-0.5, 0, 0, 0)
+    while not len(list(O.interactions)):
+        steps(100)
+    steps(100)
+    width = O.cell.hSize[0, 0]
+    O.dt = 5e-3
+    steps(2)
+    assert solver().deepestOverlap < 1e-6
+    assert O.cell.hSize[0, 0] == pytest.approx(width * (1 - 5e-5) * (1 - 2.5e-3), rel=1e-9)
+    insert(5, PyRunner(command="O.dt /= 2", iterPeriod=1, nDo=1))
+    refused("O.dt changed after ContactDynamics .* or the cell moved by another step", steps, 2)
+
+
+def test_fixed_grains_that_a_stress_presses_across_the_edge_are_refused():
+    m = material(0)
+    pressed(*(rcr.disc((x, 1), 0.2, m, fixed=True) for x in (0.3, 1.6)),
+            *(rcr.disc((x, 0.4), 0.1, m) for x in (0.5, 1.5)), stress=(100, math.nan))
+    refused("CellStress presses bodies #0 and #1 against each other across", O.run, 200, True,
+            error=RuntimeError)
+
+
+@LAWS
+def test_discs_meet_at_another_image_than_the_collider_listed(law):
+    """The pair is always listed, at the image at which its boxes met first."""
+    m = springy(0, young=1e8)
+    rigid = law == "rigid"
+    speed = 0.97 if rigid else 0.2
+    scene(law, rcr.disc((0.0905, 0.2), 0.1, m, velocity=(-speed, 0)),
+          rcr.disc((0.3095, 0.2), 0.1, m, velocity=(speed, 0)), size=0.46,
+          dt=1e-2 if rigid else 1e-4)
+    O.engines[1].verletDist = 0.005
+    for body, force in (0, -1), (1, 1):
+        O.forces.setPermF(body, (force, 0, 0))
+    O.run(100 if rigid else 3000, True)
+    apart = O.bodies[1].state.pos[0] - O.bodies[0].state.pos[0]
+    assert 0.46 - apart > 0.19
+
+
+@pytest.mark.parametrize("verlet", [0, 0.001])
+def test_a_wrapped_grain_keeps_its_contact_when_the_collider_runs(verlet):
+    falling_disc((0.1, 0.015), (0.1, -0.005))
+    O.bodies[1].state.vel = (0, 0, 0)
+    O.engines[1].verletDist = verlet
+    O.engines[-1].gravity = (0, -9.81, 0)
+    steps(30)
+    O.bodies[0].state.pos = O.cell.wrap(O.bodies[0].state.pos)
+    O.bodies.append(rcr.disc((0.02, 0.1), 0.01, material(0)))
+    O.run(60, True)
+    assert O.bodies[1].state.pos[1] == pytest.approx(0.015, abs=1e-4)
+
+
+def test_bodies_too_large_for_their_cell_are_refused():
+    m = material(0)
+    scene("rigid", size=0.2)
+    rcr.clump([rcr.disc((0.01 + 0.018 * k, 0.1), 0.01, m) for k in range(10)])
+    O.engines[1].verletDist = 1e-3
+    O.cell.velGrad = plane(-1, 0, 0, 0)
+    refused("the clump body #10 may be 0.182 long and the periodic cell is 0.18", O.run, 200, True,
+            error=RuntimeError)
+    scene("rigid", rcr.disc((0.2, 0.2), 0.02, m), size=0.4)
+    O.bodies.append(utils.box((0.2, 0.05, 0), (0.05, 0.02, 0.5), fixed=True))
+    O.engines[1].verletDist = 2e-3
+    refused("body #1 has the radius 0.5", steps, 1)
+    scene("rigid", rcr.disc((0.5, 0.5), 0.19, m), size=1)
+    O.engines[1].verletDist = -0.5
+    refused("a verletDist of 0.095", steps, 1)

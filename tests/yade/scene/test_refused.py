@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import rcr
 from scenes import (LAWS, assert_refused, build, calls, grain_on_floor, insert, material, plane,
-                    prescribe, python, refused, resting, set_state, snapshot, solver, stadium,
-                    steps, wait_until, without)
+                    prescribe, python, refused, resting, set_state, snapshot, solver, springy,
+                    stadium, steps, wait_until, without)
 from yade import O, utils
 from yade import wrapper as w
 from yade.minieigenHP import Quaternion, Vector3
@@ -210,7 +210,7 @@ RIGID = [  # under the rigid law
     (lambda: set_state(blockedDOFs=""), "#1 is free to leave the plane"),
     (lambda: set_state(ori=Quaternion((1, 0, 0), 0.1)), "#1 is tilted out of the plane"),
     (lambda: set_state(ori=Quaternion(NAN, NAN, NAN, NAN)),
-     "#1 has an orientation that is not finite"),
+     "#1 has an orientation of the norm nan; expected 1"),
     (lambda: set_state(pos=(NAN, 0, 0)), "#1 .*position.*nan"),
     (lambda: set_state(pos=(0, INF, 0)), "#1 .*position.*inf"),
     (lambda: set_state(vel=(NAN, 0, 0)), "#1 .*velocity.*nan"),
@@ -485,7 +485,8 @@ def test_cohesive_materials_are_refused(law, height, run):
     cohesive = w.CohFrictMat(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4,
                              normalCohesion=1e6, isCohesive=True)
     build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, height), 0.1, cohesive), law=law)
-    refused("has the material CohFrictMat .* give it a FrictMat", run)
+    refused("has the material CohFrictMat .* give it a FrictMat", run,
+            error=(ValueError, RuntimeError))
 
 
 @pytest.mark.parametrize("again", [False, True])
@@ -542,3 +543,85 @@ def test_an_obstacle_that_leaves_the_plane_in_a_run_is_refused(obstacle, match, 
     with pytest.raises(RuntimeError, match=match):
         O.run(400, True)
     assert O.iter < 50 and O.bodies[1].state.pos[1] > 0.2
+
+
+@LAWS
+@pytest.mark.parametrize("gap", [-1e-4, 5e-3], ids=["touching", "listed"])
+def test_contacts_of_other_functors_are_refused(law, gap):
+    """Listed pairs are given to the new functors; contacts of YADE's law must be cleared."""
+    m = springy()
+    build(rcr.disc((0, 0), 0.1, m, fixed=True), rcr.disc((0, 0.2 + gap), 0.1, m), law=law)
+    own, O.dt = O.engines, 1e-5
+    loop = w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                             [w.Law2_ScGeom_FrictPhys_CundallStrack()])
+    O.engines = [own[0], own[1], loop, own[-1]]
+    O.run(20, True)
+    O.engines = own
+    if gap < 0:
+        refused(r"has the geometry ScGeom .* call O.interactions.clear\(\)", O.run, 2, True)
+        O.interactions.clear()
+    O.run(20, True)
+    assert all(isinstance(i.geom, rcr.RcrGeom) for i in O.interactions if i.isReal)
+
+
+def release():
+    O.bodies[2].state.blockedDOFs = "zXY"
+
+
+@pytest.mark.parametrize("arrays", [True, False])
+def test_a_functor_that_was_missing_can_be_added(arrays):
+    m = material(0.5)
+    build(rcr.wall("y", 0, 1, material=m), rcr.disc((0, 0.1), 0.1, m, fixed=True),
+          rcr.particle((0, 0.36), 0.1, 0.3, material=m, fixed=True))
+    solver().arrays = arrays
+    O.engines[1].verletDist = 0.2
+    with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Wall_Sphere_RcrGeom", "Ig2_Rcr_Rcr_RcrGeom")
+    insert(5, calls(release, 1, firstIterRun=20, nDo=1))
+    refused("Add Ig2_Sphere_Rcr_RcrGeom", O.run, 400, True, error=(ValueError, RuntimeError))
+    loop = O.engines[2].geomDispatcher
+    loop.functors = [*loop.functors, rcr.Ig2_Sphere_Rcr_RcrGeom()]
+    O.run(300, True)
+    assert O.bodies[2].state.pos[1] > 0.26
+
+
+@pytest.mark.parametrize("arrays", [True, False])
+def test_shapes_that_rcr_does_not_have_are_no_holes(arrays):
+    m = material(0.5)
+    corners = [(-0.2, -0.01, -0.2), (0.2, -0.01, -0.2), (0, -0.01, 0.4), (0, 0.01, 0)]
+    obstacle = w.Body(shape=w.Tetra(v=corners), material=m)
+    obstacle.state.blockedDOFs = "xyzXYZ"
+    build(*(rcr.disc((0.03 * k, 0.15), 0.01, m, velocity=(0, -3)) for k in range(6)), obstacle)
+    solver().arrays = arrays
+    O.engines[1].boundDispatcher.functors = [*O.engines[1].boundDispatcher.functors,
+                                             w.Bo1_Tetra_Aabb()]
+    refused("handles Sphere and Tetra", O.run, 300, True, error=RuntimeError)
+
+
+def test_an_orientation_of_another_norm_is_refused():
+    resting()
+    O.bodies[1].state.ori = Quaternion(0.5, 0, 0, 0.5)
+    refused("body #1 has an orientation of the norm 0.7", O.step, error=(ValueError, RuntimeError))
+
+
+@LAWS
+def test_a_collider_that_loses_its_verlet_distance_is_refused(law):
+    resting(law)
+    O.run(20, True)
+    O.engines[1].verletDist = 0
+    refused("put a new InsertionSortCollider into O.engines", O.run, 20, True)
+
+
+def test_a_material_is_refused_before_its_body_moves():
+    cohesive = w.CohFrictMat(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4)
+    build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, 0.0999), 0.1, cohesive))
+    for _ in range(3):
+        refused("has the material CohFrictMat", O.step, error=(ValueError, RuntimeError))
+        assert O.iter == 0 and O.bodies[1].state.pos[1] == 0.0999
+
+
+def test_springs_allow_a_box_that_turns():
+    plate = utils.box((0, 0.3, 0), (0.02, 0.02, 0.5), material=springy())
+    build(rcr.disc((3, 0.1), 0.1, springy()), plate, law="smooth", dt=1e-5)
+    set_state(1, blockedDOFs="zXY")
+    O.run(5, True)
+    assert rcr.critical_time_step() > 0

@@ -313,7 +313,7 @@ def test_an_obstacle_that_turns_unseen_by_the_collider_warns_under_springs(verle
     told = advised(lambda: O.run(2, True))
     turns = [text for text in told if "turns about its own centre" in text]
     assert len(turns) == warned, turns
-    assert all("set verletDist=0" in text for text in turns)
+    assert all("put a new InsertionSortCollider(…, verletDist=0)" in text for text in turns)
 
 
 def test_counts_of_an_engine_begin_anew_with_a_new_scene():

@@ -465,6 +465,16 @@ def test_resume_needs_the_record_of_the_run(done):
     assert "has no run.json of this script" in run.stderr
 
 
+def test_a_killed_extension_changes_no_networks(done):
+    """run.json then has the strain and networks of the extension."""
+    record = json.loads((done / "run.json").read_text())
+    record["parameters"] |= dict(strain=0.5, networks=7)
+    (done / "run.json").write_text(json.dumps(record))
+    for _ in range(2):
+        script(*SMALL, "--resume", "--out", done)
+        assert (done / "summary.json").exists()
+
+
 def test_needles_pack_loosely_and_have_not_blown_up(tmp_path):
     script("--eta", "0.99", "--particles", "30", "--strain", "0.002", "--networks", "1",
            "--out", tmp_path / "out")

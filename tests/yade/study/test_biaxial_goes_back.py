@@ -83,7 +83,9 @@ def test_the_time_of_an_abandoned_part_counts(tmp_path):
     run(tmp_path / "out")
     test = Biaxial.load(tmp_path / "out")
     test.progress["wall_seconds"] = 1e6
+    test.parameters["threads"] = test.solver.threads = 2
     test.go_back(tmp_path / "out")
+    assert test.parameters["threads"] == test.solver.threads == 2
     assert test.strain < 0.035 and test.progress["wall_seconds"] == 1e6
 
 

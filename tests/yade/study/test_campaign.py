@@ -149,3 +149,27 @@ def test_another_number_of_networks_is_another_run(tmp_path):
         campaign(tmp_path, *SMALL, "--strain", "0.004", "--networks", networks)
     names = sorted(folder.name for folder in (tmp_path / "runs").iterdir())
     assert names == [f"particles-60-strain-0.004-networks-{n}-eta-0.5-seed-2" for n in (2, 3)]
+
+
+@needs_snakemake
+def test_the_report_is_that_of_the_last_campaign(tmp_path):
+    """Snakemake does not know a copied folder, nor what options after -- have run."""
+    first, copy = tmp_path / "first", tmp_path / "copy"
+    small = [*SMALL, "--strain", "0.004", "--networks", "2"]
+    campaign(first, *small, "--seeds", "2,3")
+    shutil.copytree(first, copy, ignore=shutil.ignore_patterns(".snakemake"))
+    assert "report.html" not in campaign(first, *small, "--", "-np").stdout
+    assert "report.html" in campaign(copy, *small).stdout
+    runs = json.loads((copy / "report" / "run.json").read_text())["parameters"]["runs"]
+    assert [os.path.basename(run["folder"]) for run in runs] == [
+        "particles-60-strain-0.004-networks-2-eta-0.5-seed-2"]
+
+
+@needs_snakemake
+@pytest.mark.parametrize("config, says", [
+    (("particles=60", "strain=0.04", "etas=0", "seeds=1", "network=4"), "unknown network"),
+    (("strain=0.04", "etas=0", "seeds=1"), "missing particles")])
+def test_a_wrong_configuration_is_refused(config, says, tmp_path):
+    run = ended("snakemake", "--snakefile", f"{SCRIPTS}/lib/campaign.smk", "--directory", tmp_path,
+                "--cores", "1", "-n", "--config", *config, code=1)
+    assert f"--config: {says}; expected particles" in run.stdout + run.stderr
