@@ -128,17 +128,23 @@ namespace {
 				body.velocity
 				        = startVelocity(body.velocity, inertia, step_.startFlow.at(body.center));
 			if (scene_.isPeriodic) body.velocity = body.velocity + changeOfMeanFlow(s);
-			step_.problem.freeVelocity[b.getId()] = rcr::accelerated(body.velocity, inertia,
-			        externalForce(b), plane::toPlane(newton.gravity), step_.dt);
+			rcr::PlanarVector& v = step_.problem.freeVelocity[b.getId()];
+			v = rcr::accelerated(body.velocity, inertia, externalForce(b),
+			        plane::toPlane(newton.gravity), step_.dt);
+			if (scene_.isPeriodic) {
+				const rcr::Vec2 change = plane::toPlane(Real(step_.dt) * (convection_ * s.vel));
+				v                      = v + rcr::PlanarVector { change.x, change.y, 0 };
+			}
 			step_.problem.inverseMass[b.getId()] = { inertia.freeX ? 1 / inertia.mass : 0,
 				inertia.freeY ? 1 / inertia.mass : 0,
 				inertia.freeRotation ? 1 / inertia.moment : 0 };
 		}
 
-		/// Velocity that NewtonIntegrator adds with the mean flow of the cell: no contact opposes it.
+		/// Velocity that NewtonIntegrator adds after a change of O.cell.velGrad. It counts as a
+		/// velocity before the step, so that it is no impact.
 		rcr::PlanarVector changeOfMeanFlow(const State& s) const
 		{
-			const Vector3r mean = change_ * s.pos + Real(step_.dt) * (convection_ * s.vel);
+			const Vector3r mean = change_ * s.pos;
 			return { double(mean[0]), double(mean[1]),
 				0.5 * double(change_(1, 0) - change_(0, 1)) };
 		}
