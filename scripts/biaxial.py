@@ -176,15 +176,15 @@ def load(options, parameters):
     if record is None or "networks" not in record["parameters"]:
         raise ValueError(f"--resume: {folder} has no run.json of this script; {again}")
     remove_later(folder, test.strain)  # of a part that go_back abandoned before a kill
-    networks = len(glob.glob(NETWORKS, root_dir=folder))
+    networks = record["parameters"]["networks"], len(glob.glob(NETWORKS, root_dir=folder))
     if test.progress["phase"] == "shear" and test.has_reached(options.strain):
         if test.strain > options.strain + HALF_RECORD:
             given = f"--resume: the test in {folder} is at a strain of {test.strain:.4f}"
             beyond = f"beyond --strain {options.strain:g}; give no less than it has"
             raise ValueError(f"{given}, {beyond}, or {again}")
-        if options.networks != networks:
+        if options.networks not in networks:  # the record may be of a killed extension
             given = f"--resume: the test in {folder} has reached its strain"
-            raise ValueError(f"{given} with --networks {networks}; give that, or {again}")
+            raise ValueError(f"{given} with --networks {networks[1]}; give that, or {again}")
     test.parameters["threads"] = test.solver.threads = parameters["threads"]
     return test
 

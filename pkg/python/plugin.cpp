@@ -127,9 +127,12 @@ BOOST_PYTHON_MODULE(_plugin)
 	registerClasses();
 	py::def(
 	        "prepare_run", +[] {
+		        // a call of O.run during a run changes O.stopAtIter only
+		        if (yade::Omega::instance().isRunning()) return std::string();
 		        const std::string error = yade::validation::prepareRun(scene());
 		        if (!error.empty()) return error;
-		        lastEnd.adaptCell(scene());
+		        if (yade::validation::SceneQuery(scene()).law != yade::validation::neither)
+			        lastEnd.adaptCell(scene());
 		        lastEnd = {}; // O.iter stays the same within the next step
 		        return error;
 	        },
@@ -146,7 +149,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	        "of grains [m²].");
 	py::def("total_mass", totalMass, "Sum of the masses of all bodies, a fingerprint of them.");
 	py::def("record_end", recordEnd,
-	        "Record time step, velocities and observed positions at the end of a step.");
+	        "Record time step, velocities and places at the end of a step.");
 	py::def("change_since_end", +[] { return lastEnd.change(scene()); },
 	        "What differs from the record of this step; empty: nothing, or no record.");
 	py::def("planar_clump", planarClump,

@@ -189,7 +189,7 @@ class Frame:
         return self._sums(values, values)
 
     def check_unchanged(self):
-        """Raise ValueError if a script has changed O.dt or a velocity since the last step.
+        """Raise ValueError if a script has changed O.dt, a velocity or a place since the last step.
 
         They give the positions at which the forces acted.
         """

@@ -17,10 +17,11 @@ from rcr._data import checks
 
 ROUNDING = 1e-12  # of a force over the mean force, relative
 
-def cutoffs(xi):
-    """Return ξ as a float array of its shape; a negative number or NaN raises a ValueError.
 
-    The cutoffs are larger than ξ by `ROUNDING`, so that forces equal to ξ ⟨f_n⟩ count.
+def cutoffs(xi):
+    """Return cutoffs of f_n/⟨f_n⟩, of the shape of ξ; a ValueError for a negative one or NaN.
+
+    They exceed ξ by `ROUNDING`, so that forces equal to ξ ⟨f_n⟩ count.
     """
     xi = checks.reals("xi", xi)
     if not (xi >= 0).all():

@@ -41,15 +41,14 @@ bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Sh
         const shared_ptr<Interaction>& interaction)
 {
 	prefetchPair(*scene, interaction->linIx);
-	Vector3r shift = shift2;
-	if (scene->isPeriodic) { // the collider keeps the image at which it listed the pair
-		const Vector3r apart = scene->cell->hSize.inverse() * (state2.pos - state1.pos);
-		interaction->cellDist = Vector3r((-apart).array().round()).cast<int>();
-		interaction->cellDist[2] = 0;
-		shift = scene->cell->intrShiftPos(interaction->cellDist);
-	}
 	const rcr::PlanarShape one = plane::shapeOf(*shape1, state1, state2.pos.z()),
 	                       two = plane::shapeOf(*shape2, state2, state2.pos.z());
+	Vector3r shift = shift2;
+	if (scene->isPeriodic) { // the collider keeps the image at which it listed the pair
+		const rcr::Vec2 way   = plane::toPlane(state1.pos - state2.pos) + one.offset - two.offset;
+		interaction->cellDist = plane::cellsOf(*scene->cell, way);
+		shift                 = scene->cell->intrShiftPos(interaction->cellDist);
+	}
 	const rcr::Pose        at1 { plane::toPlane(state1.pos), plane::turnOf(one, state1).axis() },
 	        at2 { plane::toPlane(state2.pos) + plane::toPlane(shift),
 		        plane::turnOf(two, state2).axis() };

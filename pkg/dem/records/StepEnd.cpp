@@ -52,8 +52,10 @@ void StepEnd::record(const Scene& scene)
 	scene_ = scene.weak_from_this();
 	iter_  = scene.iter;
 	dt_    = double(scene.dt);
-	velocity_.assign(scene.bodies->size(), {});
-	place_.assign(scene.bodies->size(), {});
+	// new bodies have no forces yet; comparisons with NaN find no change
+	constexpr double none = std::numeric_limits<double>::quiet_NaN();
+	velocity_.assign(scene.bodies->size(), { none, none, none });
+	place_.assign(scene.bodies->size(), { Vector3r::Constant(none), Quaternionr::Identity() });
 	for (const auto& b : *scene.bodies) {
 		if (!b) continue;
 		velocity_[b->getId()] = plane::velocityOf(*b->state);
@@ -63,7 +65,8 @@ void StepEnd::record(const Scene& scene)
 
 void StepEnd::adaptCell(Scene& scene) const
 {
-	if (!isOf(scene) || !scene.isPeriodic || double(scene.dt) == dt_) return;
+	const bool isMidStep = scene.subStep >= 0; // after an error, or under O.subStepping
+	if (!isOf(scene) || !scene.isPeriodic || isMidStep || double(scene.dt) == dt_) return;
 	Cell&          cell = *scene.cell;
 	const Matrix3r unit = Matrix3r::Identity();
 	const Matrix3r back = (unit + scene.dt * cell.velGrad).inverse()
@@ -89,9 +92,10 @@ std::string StepEnd::change(const Scene& scene) const
 	for (const auto& b : *scene.bodies) {
 		if (!b || std::size_t(b->getId()) >= place_.size()) continue;
 		const auto& [center, turn] = place_[b->getId()];
-		const Vector3r moved       = b->state->pos - center;
-		const double   angle       = double(b->state->ori.angularDistance(turn));
-		if (double(moved.norm()) > most || angle * radiusOf(*b, scene, z) > most)
+		const double moved         = double((b->state->pos - center).norm());
+		if (math::isnan(moved)) continue;
+		const double angle = double(b->state->ori.angularDistance(turn));
+		if (moved > most || angle * radiusOf(*b, scene, z) > most)
 			return "the place of " + validation::bodyNames({ b->getId() }) + " differs from that";
 	}
 	return {};

@@ -113,14 +113,18 @@ void checkEnergy(const rcr::Step& step, long iteration)
 
 void checkStretch(const rcr::Step& step, long iteration)
 {
+	if (!step.problem.stretches()) return;
+	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {
+		const rcr::ContactPoint& c = step.problem.points[k];
+		if (!step.problem.prescribed(c.body1) || !step.problem.prescribed(c.body2)) continue;
+		const double gap = step.gap[k].atStart + step.dt * relativeVelocity(step.problem, c).n;
+		if (gap < step.gap[k].threshold)
+			throw std::runtime_error("ContactDynamics: CellStress presses "
+			        + validation::bodyNames({ c.body1, c.body2 })
+			        + " against each other across the boundary of the cell, and both have "
+			          "prescribed motion. Nothing has moved. Let one of them move freely.");
+	}
 	const rcr::Vec2 m          = step.problem.inverseStretchMass;
-	for (const rcr::ContactPoint& c : step.problem.points)
-		if (m.x * c.shift.x != 0 || m.y * c.shift.y != 0)
-			if (step.problem.prescribed(c.body1) && step.problem.prescribed(c.body2))
-				throw std::runtime_error("ContactDynamics: CellStress presses "
-				        + validation::bodyNames({ c.body1, c.body2 })
-				        + " against each other across the boundary of the cell, and both have "
-				          "prescribed motion. Nothing has moved. Let one of them move freely.");
 	const double    inverse[2] = { m.x, m.y };
 	for (int axis = 0; axis < 2; ++axis) {
 		const double strain

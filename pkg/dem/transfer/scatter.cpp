@@ -74,10 +74,8 @@ static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 		rcr::Pair pair;
 		pair.body1 = found.body1, pair.body2 = found.body2;
 		Interaction& i = interactionOf(scene, pair);
-		if (scene.isPeriodic && !i.geom) { // the collider may have listed another image
-			const Vector3r cells = scene.cell->hSize.inverse() * plane::toSpace(found.shift);
-			i.cellDist           = Vector3r(cells.array().round()).cast<int>();
-		}
+		if (scene.isPeriodic && !i.geom) // the collider may have listed another image
+			i.cellDist = plane::cellsOf(*scene.cell, found.shift);
 		if (!i.phys) {
 			pair.friction = found.friction, pair.restitution = found.restitution;
 			pair.formedAt = scene.iter;

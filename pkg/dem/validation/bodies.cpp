@@ -20,7 +20,7 @@ static std::string motionError(const Body& b)
 	if (!s.pos.allFinite()) return message("position", s.pos, "pos");
 	if (!s.vel.allFinite()) return message("velocity", s.vel, "vel");
 	if (!s.angVel.allFinite()) return message("angular velocity", s.angVel, "angVel");
-	if (math::abs(s.ori.norm() - 1) < 1e-6) return {};
+	if (math::abs(s.ori.norm() - 1) < 1e-3) return {};
 	return bodyNames({ b.getId() }) + " has an orientation of the norm " + text(s.ori.norm())
 	        + "; expected 1: set b.state.ori = Quaternion((0, 0, 1), angle).";
 }

@@ -59,21 +59,36 @@ static Real halfBox(const Body& b)
 {
 	if (const auto* facet = dynamic_cast<const Facet*>(b.shape.get())) // not of its segment
 		return halfLongestEdge(*facet);
-	const Real half = plane::shapeOf(*b.shape, *b.state, b.state->pos.z()).radius();
-	const auto* box = dynamic_cast<const Box*>(b.shape.get());
-	return box ? math::max(half, box->extents[2]) : half;
+	return plane::shapeOf(*b.shape, *b.state, b.state->pos.z()).radius();
 }
 
-/// Largest distance of a point of a clump from its centre.
-static Real clumpRadius(const Body& clump, const Scene& scene)
+/// Largest distance of the outlines of two members, at most.
+static Real lengthOf(const Body& clump, const Scene& scene)
 {
-	Real radius = 0;
-	for (const auto& [id, place] : static_cast<const Clump&>(*clump.shape).members) {
-		const Body& b = *(*scene.bodies)[id];
-		radius        = math::max(radius,
-		        place.position.norm() + plane::shapeOf(*b.shape, *b.state, b.state->pos.z()).radius());
-	}
-	return radius;
+	Real        length = 0;
+	const auto& members = static_cast<const Clump&>(*clump.shape).members;
+	for (const auto& [id1, place1] : members)
+		for (const auto& [id2, place2] : members)
+			length = math::max(length,
+			        (place1.position - place2.position).norm() + halfBox(*(*scene.bodies)[id1])
+			                + halfBox(*(*scene.bodies)[id2]));
+	return length;
+}
+
+static std::string longClump(const Body& clump, const Scene& scene, Real wider)
+{
+	const Vector3r size    = scene.cell->getSize();
+	const Real     inPlane = math::min(size[0], size[1]);
+	Real           radius  = 0; // a bound that costs less
+	for (const auto& [id, place] : static_cast<const Clump&>(*clump.shape).members)
+		radius = math::max(radius, place.position.norm() + halfBox(*(*scene.bodies)[id]));
+	if (wider * 2 * radius < inPlane) return {};
+	const Real length = lengthOf(clump, scene);
+	if (wider * length < inPlane) return {};
+	return "the clump " + bodyNames({ clump.getId() }) + " is up to " + text(length)
+	        + " long and the periodic cell is " + text(inPlane)
+	        + " wide at its narrowest, so the clump would meet its own image; expected a larger "
+	          "cell: O.cell.setBox(…).";
 }
 
 /// Least radius of a Sphere; 0 without one.
@@ -101,14 +116,17 @@ std::string smallCell(const SceneQuery& v)
 	for (const auto& b : *v.scene.bodies) {
 		if (!b || !b->shape) continue;
 		if (b->isClump()) {
-			const Real length = 2 * clumpRadius(*b, v.scene),
-			           inPlane = math::min(v.scene.cell->getSize()[0], v.scene.cell->getSize()[1]);
-			if (wider * length < inPlane) continue;
-			return "the clump " + bodyNames({ b->getId() }) + " may be " + text(length)
-			        + " long and the periodic cell is " + text(inPlane)
-			        + " wide at its narrowest, so the clump would meet its own image; expected a "
-			          "larger cell: O.cell.setBox(…).";
+			const std::string error = longClump(*b, v.scene, wider);
+			if (!error.empty()) return error;
+			continue;
 		}
+		const auto* box = dynamic_cast<const Box*>(b->shape.get());
+		if (box && !(box->extents[2] + margin < most * v.scene.cell->getSize()[2]))
+			return bodyNames({ b->getId() }) + " is a Box with the half width "
+			        + text(box->extents[2]) + " along z in a periodic cell of the depth "
+			        + text(v.scene.cell->getSize()[2])
+			        + "; expected a depth of more than 4.2 times half width + verletDist: "
+			          "O.cell.setBox(…).";
 		const Real half = halfBox(*b);
 		if (wider * half + margin < most * size && largestBoxShare * size + margin < most * size)
 			continue;

@@ -184,10 +184,9 @@ std::string bounds(const SceneQuery& v)
 std::string verletDistance(const SceneQuery& v)
 {
 	const auto* collider = v.first<InsertionSortCollider>();
-	if (!collider || !isStriding(*collider) || collider->verletDist > 0) return {};
-	return "the InsertionSortCollider has verletDist = " + text(collider->verletDist)
-	        + " after steps with a larger one, for which YADE ends the process; put a new "
-	          "InsertionSortCollider into O.engines.";
+	if (!collider || !isStriding(*collider) || collider->verletDist != 0) return {};
+	return "the InsertionSortCollider has verletDist = 0 after steps with another one, for which "
+	       "YADE ends the process; put a new InsertionSortCollider into O.engines.";
 }
 
 void replaceSphereBounds(const Scene& scene)

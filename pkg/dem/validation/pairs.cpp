@@ -196,7 +196,7 @@ std::string unsupportedPairs(const SceneQuery& v)
 /// Rejects contacts of YADE's functors between shapes that functors of rcr handle now.
 std::string foreignContacts(const SceneQuery& v)
 {
-	if (!v.loop) return {};
+	if (!v.loop || v.law == neither) return {};
 	for (const auto& i : *v.scene.interactions) {
 		if (!i->isReal() || dynamic_cast<const RcrGeom*>(i->geom.get())) continue;
 		const shared_ptr<Body>&one = (*v.scene.bodies)[i->getId1()], &two
@@ -205,7 +205,7 @@ std::string foreignContacts(const SceneQuery& v)
 		shared_ptr<Shape> shape1 = one->shape, shape2 = two->shape;
 		bool              swap;
 		const auto functor = v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap);
-		if (!functor || functor->getBaseClassName() != "Ig2_Planar_RcrGeom") continue;
+		if (!dynamic_cast<const Ig2_Planar_RcrGeom*>(functor.get())) continue;
 		return "the contact of " + bodyNames({ one->getId(), two->getId() }) + " has the geometry "
 		        + i->geom->getClassName()
 		        + " of other functors; call O.interactions.clear() after a change of functors.";
@@ -215,8 +215,11 @@ std::string foreignContacts(const SceneQuery& v)
 
 void forgetFunctors(const Scene& scene)
 {
-	for (const auto& i : *scene.interactions)
-		if (!i->isReal()) i->reset();
+	for (const auto& i : *scene.interactions) {
+		if (i->isReal()) continue;
+		i->functorCache            = {};
+		i->functorCache.geomExists = true; // unknown yet
+	}
 }
 
 void refuseUnsupported(const Scene& scene, Body::id_t id1, Body::id_t id2)

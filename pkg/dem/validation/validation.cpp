@@ -150,7 +150,6 @@ namespace {
 		{ any,     smallCell },
 		{ any,     invalidBodies },
 		{ any,     unsupportedPairs },
-		{ any,     foreignContacts },
 		{ any,     verletDistance },
 	};
 	// clang-format on
@@ -214,9 +213,15 @@ std::string prepareRun(Scene& scene)
 	const std::string     error = sceneError(scene);
 	if (!error.empty()) return error;
 	replaceSphereBounds(scene);
-	if (view.law != neither) forgetFunctors(scene);
+	if (const std::string foreign = foreignContacts(view); !foreign.empty()) return foreign;
+	static Signature seen;
+	const Signature  now = signature(scene);
+	if (view.law != neither && !(now == seen)) forgetFunctors(scene);
+	seen = now;
 	if (scene.isPeriodic && !view.first<ContactDynamics>()) suppressHomoDeform(scene, false);
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
+	for (const auto& b : *scene.bodies) // from texts of few digits; YADE does so after the step
+		if (b && math::abs(b->state->ori.norm() - 1) > 1e-9) b->state->ori.normalize();
 	// lets a collider that YADE has cleared list all bodies, also after an erasure
 	scene.bodies->checkedByCollider = false;
 	return {};
@@ -269,7 +274,8 @@ Engines Validator::validate(const Scene& scene)
 		if (const std::string error = rule(view); !error.empty()) refuse(error);
 	const Signature now = signature(scene);
 	if (now == seen_) return engines_;
-	const std::string message = sceneError(scene);
+	std::string message = sceneError(scene);
+	if (message.empty()) message = foreignContacts(view);
 	if (!message.empty()) refuse(message);
 	replaceSphereBounds(scene);
 	forgetFunctors(scene);

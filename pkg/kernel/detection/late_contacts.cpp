@@ -9,6 +9,9 @@ namespace rcr {
 
 namespace {
 
+	/// Point from which the nearest image is measured. A segment may lie beside its centre.
+	Vec2 middle(const StepBody& body) { return body.center + body.shape.offset; }
+
 	// widening over the path; a further solve may lengthen the path
 	constexpr double      wideningFactor = 1.5;
 	// up to this number of widened bodies, a linear search is faster than sorting
@@ -67,7 +70,7 @@ namespace {
 				const int    other = from->second;
 				const double its   = extent(other);
 				if (searched_[other] && (its > own || (its == own && other <= id))) continue;
-				const Vec2 between   = step_.bodies[other].center - b.center,
+				const Vec2 between   = middle(step_.bodies[other]) - middle(b),
 				           apart     = between + step_.cell.nearestShift(between);
 				const double most    = own + its;
 				if (dot(apart, apart) <= most * most) visit(other);
@@ -185,7 +188,7 @@ namespace {
 		FoundContact       found;
 		found.body1    = id;
 		found.body2    = other;
-		found.shift    = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
+		found.shift    = contact ? contact->shift : step.cell.nearestShift(middle(two) - middle(one));
 		found.known    = contact;
 		double reach   = detectionReach(step, id) + detectionReach(step, other);
 		if (found.shift.x != 0 || found.shift.y != 0)

@@ -12,11 +12,11 @@
 // along such directions in a step without a solution.
 //
 // The scale of a velocity change is V_s = √(Σ m) (max µ₁ |u_free| + Σ max(0, −b_n)) over the bodies
-// and points where d acts, with µ₁ = max(1, µ). The biases of all these points add up, because
-// overlaps push a row of bodies apart at the sum of their speeds. Measurements cover 20 to 2000 grains at rest, in flow,
-// and driven. Solved steps need at most 1.0 V_s and dissipate at most 0.2 V_s². In feasible steps
-// that miss the tolerance, growing impulses imply at most 0.2 V_s. In steps without a solution, all
-// three measures grow without bound. Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion);
+// and points where d acts, with µ₁ = max(1, µ). The biases of all these points add up: overlaps
+// push a row of bodies apart at the sum of their speeds. Measurements cover 20 to 2000 grains at
+// rest, in flow, and driven. Solved steps need at most 1.0 V_s and dissipate at most 0.2 V_s². In
+// feasible steps that miss the tolerance, growing impulses imply at most 0.2 V_s. In steps without
+// a solution, all three measures grow without bound. Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion);
 // Farkas' lemma (its dual).
 #pragma once
 
@@ -38,8 +38,7 @@ double costOf(const ContactProblem&, std::size_t point);
 bool exceedsChangeBound(const ContactProblem&);
 
 /// Returns true if 2 √E > 3 V_s, with the dissipated energy E. With N² = pᵀWp, the bound for d = p
-/// is (E + N²)/N ≥ 2 √E, so this test is the weaker one. Yielding contacts keep steps rigid that
-/// only the stronger one would find.
+/// is (E + N²)/N ≥ 2 √E, so this test is the weaker one. It decides whether contacts yield.
 bool exceedsEnergyBound(const ContactProblem&);
 
 /// The same test for an energy and the velocity scale V_s of its bodies.

@@ -8,7 +8,7 @@ StepEnergy stepEnergy(const Step& step, const std::vector<PlanarVector>& impulse
 	const ContactProblem& problem = step.problem;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
-		// both with the stretch rate at the end, as the work on the cell
+		// both with the stretch rate at the end and the load, as the work on the cell
 		const LocalVector after  = relativeVelocity(problem, c),
 		                  before = relativeVelocity(
 		                          c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);

@@ -73,7 +73,7 @@ YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 		const auto   speed = [&](const PlanarVector& u) {
             return isHinged ? lever * std::abs(u.rotation)
 			             : norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 })
-			                + radius * std::abs(u.rotation);
+			                + (inverse.rotation > 0 ? radius * std::abs(u.rotation) : 0);
 		};
 		const double mass = isHinged ? 1 / (inverse.rotation * lever * lever) : inverse.mass();
 		++bodies;

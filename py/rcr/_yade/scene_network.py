@@ -18,9 +18,10 @@ def contact_network(walls=None, volume=None, **attributes):
     Grains are the free and clumped `Rcr` and `Sphere` bodies. Obstacles are walls, boxes, facets
     and grains with prescribed motion. An obstacle is always body 2 and has a negative id; contacts
     between obstacles are left out. Positions, branch vectors and normals belong to the time of the
-    forces, before the step moved the bodies. Contacts in tension are left out with a warning. A
-    ValueError says that no grain is free, that an argument is invalid, or that O.dt, a velocity or
-    a place has changed since the last step.
+    forces, before the step moved the bodies. Contacts in tension are left out with a warning.
+
+    A ValueError says that no grain is free, or that an argument is invalid. It also says that O.dt,
+    a velocity or a place has changed since the last step.
 
     Parameters
     ----------
@@ -67,12 +68,12 @@ def _grains(frame):
 
 
 def _contacts(frame, codes):
-    """Return the columns of `Network.contacts`: force-bearing contacts, obstacles as body 2."""
+    """Return the columns of `Network.contacts`: compressed contacts, obstacles as body 2."""
     free1, free2 = frame.free_ends()
     bearing = (frame.normal_force() > 0) & (free1 | free2)
     pulled = ((frame.normal_force() < 0) & (free1 | free2)).sum()
     if pulled:
-        warnings.warn(f"{pulled} contacts in tension are left out: a network holds compressive "
+        warnings.warn(f"contacts in tension are left out ({pulled}): a network holds compressive "
                       "forces; rcr.measure.stress_tensors() has the stresses of all", stacklevel=3)
     turned, at_obstacle = ~free1[bearing], ~(free1 & free2)[bearing]
     c = {name: column[bearing] for name, column in frame.contacts.items()}

@@ -544,7 +544,7 @@ def test_contacts_in_tension_are_left_out_with_a_warning():
     O.step()
     first = next(i for i in O.interactions if i.isReal)
     first.phys.normalForce = -first.phys.normalForce
-    with pytest.warns(UserWarning, match="1 contacts in tension are left out"):
+    with pytest.warns(UserWarning, match=r"contacts in tension are left out \(1\)"):
         assert len(rcr.contact_network(volume=1).contacts["body1"]) == 1
 
 
@@ -559,4 +559,4 @@ def test_a_loaded_scene_has_a_network(tmp_path):
         O.load(path, quiet=True)
         kept = [np.full(size, -1) for size in range(64, 400) for _ in range(8)]
         assert len(rcr.contact_network(volume=1).contacts["body1"]) == 1
-        assert O.engines[3].observations() == [] and kept
+        assert O.engines[3].observations() == [] and len(kept) == 8 * 336

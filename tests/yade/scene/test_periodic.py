@@ -539,6 +539,8 @@ def test_fixed_grains_that_a_stress_presses_across_the_edge_are_refused():
             *(rcr.disc((x, 0.4), 0.1, m) for x in (0.5, 1.5)), stress=(100, math.nan))
     refused("CellStress presses bodies #0 and #1 against each other across", O.run, 200, True,
             error=RuntimeError)
+    gap = 2 - 0.4 - (O.bodies[1].state.pos[0] - O.bodies[0].state.pos[0])
+    assert 2 - O.cell.hSize[0, 0] > 0.9 * gap  # they were let meet
 
 
 @LAWS
@@ -577,12 +579,42 @@ def test_bodies_too_large_for_their_cell_are_refused():
     rcr.clump([rcr.disc((0.01 + 0.018 * k, 0.1), 0.01, m) for k in range(10)])
     O.engines[1].verletDist = 1e-3
     O.cell.velGrad = plane(-1, 0, 0, 0)
-    refused("the clump body #10 may be 0.182 long and the periodic cell is 0.18", O.run, 200, True,
-            error=RuntimeError)
+    refused("the clump body #10 is up to 0.182 long and the periodic cell is 0.18", O.run, 200,
+            True, error=RuntimeError)
     scene("rigid", rcr.disc((0.2, 0.2), 0.02, m), size=0.4)
     O.bodies.append(utils.box((0.2, 0.05, 0), (0.05, 0.02, 0.5), fixed=True))
     O.engines[1].verletDist = 2e-3
-    refused("body #1 has the radius 0.5", steps, 1)
+    refused("body #1 is a Box with the half width 0.5 along z in a periodic cell of the depth 0.4",
+            steps, 1)
+    O.cell.setBox(0.4, 0.4, 4)
+    steps(1)
     scene("rigid", rcr.disc((0.5, 0.5), 0.19, m), size=1)
     O.engines[1].verletDist = -0.5
     refused("a verletDist of 0.095", steps, 1)
+
+
+@LAWS
+def test_the_far_end_of_a_triangle_stops_a_disc(law):
+    """The middle of its segment is nearer to the disc than the centre of the triangle."""
+    m = springy(0)
+    corners = [(0, 0.5, -0.01), (0, 0.5, 0.01), (0.45, 0.5, 0)]
+    scene(law, utils.facet(corners, material=m), rcr.disc((0.68, 0.5), 0.2, m, velocity=(-0.2, 0)),
+          size=1.0, dt=1e-3 if law == "rigid" else 1e-5)
+    O.engines[1].verletDist = 0.005
+    while O.time < 0.3:
+        O.run(100, True)
+        assert O.bodies[1].state.pos[0] > 0.64
+
+
+def test_a_new_time_step_after_a_refused_step_keeps_the_cell():
+    """The next run finishes the refused step, for which the cell has moved already."""
+    m = material(0)
+    pressed(*(rcr.disc((0.4 * i + 0.2, 0.4 * j + 0.2), 0.15, m) for i in range(5)
+              for j in range(5)), stress=(100, 100), mass=0.1, dt=1e-3)
+    steps(20)
+    O.engines[3].mass = 1e-6
+    refused("CellStress would stretch the cell", O.run, 5, True, error=RuntimeError)
+    before, step = O.cell.hSize[0, 0], O.cell.velGrad[0, 0] * O.dt
+    O.engines[3].mass, O.dt = 0.1, 1e-6
+    steps(1)
+    assert abs(O.cell.hSize[0, 0] / before - 1) < 0.1 * abs(step)

@@ -486,7 +486,7 @@ def test_cohesive_materials_are_refused(law, height, run):
                              normalCohesion=1e6, isCohesive=True)
     build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, height), 0.1, cohesive), law=law)
     refused("has the material CohFrictMat .* give it a FrictMat", run,
-            error=(ValueError, RuntimeError))
+            error=ValueError if run == O.step else RuntimeError)
 
 
 @pytest.mark.parametrize("again", [False, True])
@@ -577,7 +577,7 @@ def test_a_functor_that_was_missing_can_be_added(arrays):
     O.engines[1].verletDist = 0.2
     with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Wall_Sphere_RcrGeom", "Ig2_Rcr_Rcr_RcrGeom")
     insert(5, calls(release, 1, firstIterRun=20, nDo=1))
-    refused("Add Ig2_Sphere_Rcr_RcrGeom", O.run, 400, True, error=(ValueError, RuntimeError))
+    refused("Add Ig2_Sphere_Rcr_RcrGeom", O.run, 400, True, error=RuntimeError)
     loop = O.engines[2].geomDispatcher
     loop.functors = [*loop.functors, rcr.Ig2_Sphere_Rcr_RcrGeom()]
     O.run(300, True)
@@ -600,7 +600,9 @@ def test_shapes_that_rcr_does_not_have_are_no_holes(arrays):
 def test_an_orientation_of_another_norm_is_refused():
     resting()
     O.bodies[1].state.ori = Quaternion(0.5, 0, 0, 0.5)
-    refused("body #1 has an orientation of the norm 0.7", O.step, error=(ValueError, RuntimeError))
+    refused("body #1 has an orientation of the norm 0.7", O.step)
+    O.bodies[1].state.ori = Quaternion(0.7071, 0, 0, 0.7071)
+    O.step()
 
 
 @LAWS
@@ -615,7 +617,7 @@ def test_a_material_is_refused_before_its_body_moves():
     cohesive = w.CohFrictMat(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4)
     build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, 0.0999), 0.1, cohesive))
     for _ in range(3):
-        refused("has the material CohFrictMat", O.step, error=(ValueError, RuntimeError))
+        refused("has the material CohFrictMat", O.step)
         assert O.iter == 0 and O.bodies[1].state.pos[1] == 0.0999
 
 

@@ -470,8 +470,9 @@ def test_a_killed_extension_changes_no_networks(done):
     record = json.loads((done / "run.json").read_text())
     record["parameters"] |= dict(strain=0.5, networks=7)
     (done / "run.json").write_text(json.dumps(record))
-    for _ in range(2):
-        script(*SMALL, "--resume", "--out", done)
+    longer = [*SMALL, "--strain", "0.02", "--resume"]
+    for arguments in [*SMALL, "--resume"], [*SMALL, "--resume"], longer, longer:
+        script(*arguments, "--out", done)
         assert (done / "summary.json").exists()
 
 
