@@ -68,6 +68,20 @@ Real planeOf(const Scene& scene)
 	return std::numeric_limits<Real>::quiet_NaN();
 }
 
+std::string materialError(const Scene& scene, Body::id_t id1, Body::id_t id2)
+{
+	for (Body::id_t id : { id1, id2 }) {
+		const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
+		if (isFrictional(material.get())) continue;
+		return bodyNames({ id }) + " has "
+		        + (material ? "the material " + material->getClassName()
+		                    : std::string("no material"))
+		        + " and touches #" + std::to_string(id == id1 ? id2 : id1)
+		        + "; give it a FrictMat.";
+	}
+	return {};
+}
+
 /// Rejects an obstacle that grains in the plane at z cannot meet. `shape`: in this plane.
 static std::string obstacleError(const Body& b, const rcr::PlanarShape& shape, Real z)
 {

@@ -290,20 +290,6 @@ bool isFrictional(const Material* material)
 	return dynamic_cast<const FrictMat*>(material) && material->getClassName() != "CohFrictMat";
 }
 
-std::string materialError(const Scene& scene, Body::id_t id1, Body::id_t id2)
-{
-	for (Body::id_t id : { id1, id2 }) {
-		const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
-		if (isFrictional(material.get())) continue;
-		return bodyNames({ id }) + " has "
-		        + (material ? "the material " + material->getClassName()
-		                    : std::string("no material"))
-		        + " and touches #" + std::to_string(id == id1 ? id2 : id1)
-		        + "; give it a FrictMat.";
-	}
-	return {};
-}
-
 /// Reports an error from a parallel loop before the solve of a step.
 static void report(const SceneQuery& view, const std::string& message)
 {
