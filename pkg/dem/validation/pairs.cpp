@@ -196,7 +196,7 @@ std::string unsupportedPairs(const SceneQuery& v)
 /// Rejects contacts of YADE's functors between shapes that functors of rcr handle now.
 std::string foreignContacts(const SceneQuery& v)
 {
-	if (!v.loop || v.law == neither) return {};
+	if (!v.loop) return {};
 	for (const auto& i : *v.scene.interactions) {
 		if (!i->isReal() || dynamic_cast<const RcrGeom*>(i->geom.get())) continue;
 		const shared_ptr<Body>&one = (*v.scene.bodies)[i->getId1()], &two

@@ -213,10 +213,12 @@ std::string prepareRun(Scene& scene)
 	const std::string     error = sceneError(scene);
 	if (!error.empty()) return error;
 	replaceSphereBounds(scene);
-	if (const std::string foreign = foreignContacts(view); !foreign.empty()) return foreign;
 	static Signature seen;
 	const Signature  now = signature(scene);
-	if (view.law != neither && !(now == seen)) forgetFunctors(scene);
+	if (view.law != neither && !(now == seen)) { // contacts and pairs of other functors
+		if (const std::string foreign = foreignContacts(view); !foreign.empty()) return foreign;
+		forgetFunctors(scene);
+	}
 	seen = now;
 	if (scene.isPeriodic && !view.first<ContactDynamics>()) suppressHomoDeform(scene, false);
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());

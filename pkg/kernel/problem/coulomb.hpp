@@ -26,7 +26,7 @@ struct Delassus {
 
 /// Components of directions and levers below this share of the length count as rounding errors [-].
 constexpr double negligibleLever = 1e-10;
-constexpr double roundingShare   = 1e-12; // rounding errors of a difference over its largest term [-]
+constexpr double roundingShare   = 1e-12; // rounding of a difference over its largest term [-]
 
 /// J M⁻¹ Jᵀ of one point [1/kg]. w_nn and w_nt are 0 if w_nn is a rounding error: the normal
 /// direction is blocked.

@@ -16,8 +16,8 @@
 // push a row of bodies apart at the sum of their speeds. Measurements cover 20 to 2000 grains at
 // rest, in flow, and driven. Solved steps need at most 1.0 V_s and dissipate at most 0.2 V_s². In
 // feasible steps that miss the tolerance, growing impulses imply at most 0.2 V_s. In steps without
-// a solution, all three measures grow without bound. Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion);
-// Farkas' lemma (its dual).
+// a solution, all three measures grow without bound. Source: Acary, Cadoux, Lemaréchal and Malick
+// 2011 (criterion); Farkas' lemma (its dual).
 #pragma once
 
 #include "problem/contact_problem.hpp"

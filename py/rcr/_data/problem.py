@@ -6,7 +6,7 @@ import numpy as np
 
 from rcr._data import checks
 
-BLOCKED = 1e-20  # largest w_nn/w_tt of a point with a blocked normal direction [-]
+BLOCKED = 1e-20  # w_nn/w_tt of a blocked normal, negligibleLever² of coulomb.hpp, at most [-]
 MOST_FRICTION = 1000  # errors of larger coefficients cannot be measured [-]
 SYMMETRY = 1e-8  # largest |W − Wᵀ| over largest |W| [-]; files of Siconos reach 1e-10
 
