@@ -20,7 +20,7 @@ def _(v):
 
 
 @claim("O2", "P(θ) is isotropic after compaction",
-       "|a_c| below 0.05, or below three standard errors of as many random directions")
+       "|a_c| below 0.05, or below three times its scatter for as many random directions")
 def _(v):
     a_c, error = require_finite(v["a_c"], "no isotropic.h5"), v["a_c_error"]
     return a_c <= np.maximum(0.05, 3 * error), a_c, error
@@ -191,7 +191,7 @@ def _sign_change(v, name):
 
 
 SIGN = "at no η the wrong sign by more than two errors"
-claim("O12", "C(f, ℓ_r) is positive for η ≤ 0.3, negative above", f"{SIGN} (discs have no ℓ_r)")(
+claim("O12", "C(f, ℓ_r) is positive for η ≤ 0.3, negative above", f"{SIGN} (ℓ_r of discs is 1)")(
     lambda v: _sign_change(v, "c_f_lr"))
 claim("O12", "C(f, ℓ) is positive for η ≤ 0.3, negative above", SIGN)(
     lambda v: _sign_change(v, "c_f_l"))
@@ -284,7 +284,7 @@ def _(v):
 
 
 @claim("O16", "a_lt < 0 and monotonic in ξ",
-       "a_lt(∞) < 0; falls with ξ, up to rises of 10 % of its range or two errors, for η > 0", LONG)
+       "a_lt(∞) < 0; no rise with ξ beyond 10 % of its range or two errors, for η > 0", LONG)
 def _(v):
     smooth, _ = is_monotonic(v, "a_lt", -1)
     value = v["a_lt"][:, -1]
@@ -322,7 +322,7 @@ def _(v):
 
 
 claim("O17", "a_ft rises with ξ",
-      "rises, up to falls of 10 % of its range or two errors, at every η (largest fall given)")(
+      "no fall with ξ beyond 10 % of its range or two errors, at every η (largest given)")(
     lambda v: is_monotonic(v, "a_ft", +1))
 claim("O17", "a_ft rises with η", "slope of a_ft(∞) positive beyond two errors")(
     lambda v: trend(v | dict(whole=v["a_ft"][:, -1]), "whole", +1))
