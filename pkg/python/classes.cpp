@@ -2,7 +2,7 @@
 // register itself by YADE_PLUGIN in its own file. This is half of the plugin's code, and runs once.
 // The compiler emits the virtual functions of a class beside its first virtual function, here the
 // destructor.
-#include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
+#include "dem/contacts/CdPhys.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 #include "dem/engine/CellStress.hpp"
 #include "dem/engine/ContactDynamics.hpp"

@@ -82,24 +82,6 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 	return problem;
 }
 
-DelassusProblem delassusFrom(const py::object& givenRowStart, const py::object& givenColumn,
-        const Array& block, const Array& free, const Array& friction, const Array& impulse)
-{
-	const Ids rowStart   = idsFrom(givenRowStart, "row_start"),
-	          column     = idsFrom(givenColumn, "column");
-	const py::ssize_t nc = rowsOf(free), entries = rowsOf(column);
-	requireShape(rowStart, "row_start", { nc + 1 });
-	requireShape(column, "column", { entries });
-	DelassusProblem problem;
-	problem.rowStart.assign(rowStart.data(), rowStart.data() + nc + 1);
-	problem.column.assign(column.data(), column.data() + entries);
-	problem.block        = rowsFrom<DelassusBlock>(block, "block", entries);
-	problem.freeVelocity = rowsFrom<LocalVector>(free, "free_velocity", nc);
-	problem.friction     = rowsFrom<double>(friction, "friction", nc);
-	problem.impulse      = rowsFrom<LocalVector>(impulse, "impulse", nc);
-	return problem;
-}
-
 Settings stopSettings(double tolerance, double kinematicTolerance, double meanForceChange,
         int checkInterval, int minIterations, int maxIterations, int stallSweeps)
 {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <initializer_list>
 
-#include "delassus/delassus_problem.hpp"
+#include "problem/solver.hpp"
 
 namespace rcr {
 
@@ -25,10 +25,6 @@ Ids idsFrom(const py::object&, const char* name);
 
 /// A problem from the arrays of `solve`, by name. Checks all names, shapes, ids and numbers.
 ContactProblem problemFrom(const py::kwargs& arrays);
-
-/// A problem of W and q from arrays. Checks the shapes; the solver checks the values.
-DelassusProblem delassusFrom(const py::object& rowStart, const py::object& column,
-        const Array& block, const Array& free, const Array& friction, const Array& impulse);
 
 /// Default settings except those of the stop test (sweep/stop_test.hpp).
 Settings stopSettings(double tolerance, double kinematicTolerance, double meanForceChange,

@@ -4,6 +4,7 @@
 #include <array>
 #include <ctime>
 
+#include "delassus/delassus_problem.hpp"
 #include "kernel_arrays.hpp"
 #include "problem/coulomb.hpp"
 
@@ -83,12 +84,23 @@ namespace {
 		return model;
 	}
 
-	py::dict solveDelassusArrays(const py::object& rowStart, const py::object& column,
+	/// Checks the shapes; the solver checks the values.
+	py::dict solveDelassusArrays(const py::object& givenRowStart, const py::object& givenColumn,
 	        const Array& block, const Array& free, const Array& friction, const Array& impulse,
 	        const std::string& solver, double tolerance, int maxIterations, int checkInterval)
 	{
-		DelassusProblem problem = delassusFrom(rowStart, column, block, free, friction, impulse);
-		Settings        settings;
+		const Ids rowStart   = idsFrom(givenRowStart, "row_start"),
+		          column     = idsFrom(givenColumn, "column");
+		const py::ssize_t nc = rowsOf(free), entries = rowsOf(column);
+		requireShape(rowStart, "row_start", { nc + 1 });
+		requireShape(column, "column", { entries });
+		DelassusProblem problem { { rowStart.data(), rowStart.data() + nc + 1 },
+			{ column.data(), column.data() + entries },
+			rowsFrom<DelassusBlock>(block, "block", entries),
+			rowsFrom<LocalVector>(free, "free_velocity", nc),
+			rowsFrom<double>(friction, "friction", nc),
+			rowsFrom<LocalVector>(impulse, "impulse", nc), {} };
+		Settings settings;
 		settings.tolerance     = tolerance;
 		settings.maxIterations = maxIterations;
 		settings.checkInterval = checkInterval;

@@ -97,13 +97,6 @@ int planarClump(const py::list& ids, double x, double y, double mass, double ine
 	return id;
 }
 
-void awaitEnd()
-{
-	Py_BEGIN_ALLOW_THREADS;
-	yade::awaitEnd();
-	Py_END_ALLOW_THREADS;
-}
-
 void recordEnd()
 {
 	lastEnd.record(scene());
@@ -140,7 +133,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	py::def("take_error", yade::takeError,
 	        "Message of the error that stopped ContactDynamics, returned once; empty without "
 	        "error.");
-	py::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
+	py::def("await_end", yade::awaitEnd, "Wait until a paused run has stopped.");
 	py::def("uses_rcr",
 	        +[] { return yade::validation::SceneQuery(scene()).law != yade::validation::neither; },
 	        "True if the scene holds a law, ContactDynamics or Ip2 of rcr.");

@@ -1,5 +1,8 @@
 #include "dem/contacts/CdPhys.hpp"
 
+#include "dem/validation/deferredError.hpp"
+#include "dem/validation/validation.hpp"
+
 namespace yade {
 
 void Ip2_FrictMat_FrictMat_CdPhys::go(const shared_ptr<Material>& material1,
@@ -25,6 +28,19 @@ void Ip2_FrictMat_FrictMat_CdPhys::go(const shared_ptr<Material>& material1,
 		}
 	}
 	interaction->phys = phys;
+}
+
+bool Law2_RcrGeom_CdPhys_SignoriniCoulomb::go(
+        shared_ptr<IGeom>& igeom, shared_ptr<IPhys>& iphys, Interaction*)
+{
+	if (checked_.exchange(scene->iter) != scene->iter) {
+		const std::string message = validation::missingSolver(*scene);
+		if (!message.empty()) deferError(message);
+	}
+	const RcrGeom& geom = static_cast<const RcrGeom&>(*igeom);
+	if (geom.points == 0) return false;
+	carryForces(geom, static_cast<CdPhys&>(*iphys));
+	return true;
 }
 
 } // namespace yade

@@ -45,4 +45,8 @@ public:
 };
 REGISTER_SERIALIZABLE(CellStress);
 
+/// Sets O.cell.homoDeform to 0, since NewtonIntegrator must not add the mean flow of the cell; or
+/// restores the earlier value, which O.tags keeps, also for another engine and in saved scenes.
+void suppressHomoDeform(Scene&, bool suppress);
+
 } // namespace yade

@@ -1,6 +1,6 @@
 #include "dem/engine/ContactDynamics.hpp"
 
-#include "dem/engine/homoDeform.hpp"
+#include "dem/engine/CellStress.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/ArraySteps.hpp"
 #include "dem/transfer/newContacts.hpp"
@@ -60,7 +60,8 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 		do {
 			solveStep(engines);
 			impulses = contactImpulses(step_);
-			observeStep(impulses);
+			observer_.record(stepOutcome(), get<&ContactDynamics::observe>(), observeEvery,
+			        impulses, step_, handles_);
 			advanced = timed("arrays", [&] {
 				return arrays
 				        && arraySteps_->advance(*scene, engines, team, handles_, impulses, step_);
@@ -127,7 +128,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	}
 	if (rcr::spansHalfCell(step_)) converged = false;
 	checkFinite(step_, scene->iter);
-	checkStretch(step_, scene->iter);
+	checkCellStress(step_, scene->iter);
 	timed("correct", [&] {
 		rcr::computeCorrection(step_, double(correction), workspace_);
 		if (!largeDisplacements_) return;

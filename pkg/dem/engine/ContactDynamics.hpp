@@ -128,7 +128,6 @@ private:
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setStartFlow();
 	void          updateMeanStretch();
-	void          observeStep(const std::vector<rcr::PlanarVector>& impulses);
 
 	validation::Validator         validator_;
 	rcr::Step                     step_; // the last step

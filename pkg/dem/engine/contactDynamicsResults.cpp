@@ -19,16 +19,9 @@ StepOutcome ContactDynamics::stepOutcome() const
 /// Counts the step with its overlap at the beginning. Throws the error of a jam.
 void ContactDynamics::monitorStep()
 {
-	const double                      overlap = deepestOverlap(step_, workspace_.team());
 	const std::lock_guard<std::mutex> lock(attributesMutex_);
-	const std::string                 warning = monitor.count(step_, stepOutcome(), overlap);
+	const std::string warning = monitor.count(step_, stepOutcome(), workspace_.team());
 	if (!warning.empty()) LOG_WARN(warning);
-}
-
-void ContactDynamics::observeStep(const std::vector<rcr::PlanarVector>& impulses)
-{
-	observer_.record(stepOutcome(), get<&ContactDynamics::observe>(), observeEvery, impulses, step_,
-	        handles_);
 }
 
 void checkFinite(const rcr::Step& step, long iteration)

@@ -61,13 +61,12 @@ static std::string squeezeMessage(rcr::JamDetector::Verdict verdict,
 	          "apart, or take a smaller O.dt from the start.";
 }
 
-double deepestOverlap(const rcr::Step& step, rcr::ThreadTeam& team)
+std::string StepMonitor::count(
+        const rcr::Step& step, const StepOutcome& outcome, rcr::ThreadTeam& team)
 {
-	return team.maximum(step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });
-}
-
-std::string StepMonitor::count(const rcr::Step& step, const StepOutcome& outcome, double overlap)
-{
+	// deepest at the beginning of the step, over R₁ + R₂; not between prescribed bodies
+	const double overlap = team.maximum(
+	        step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });
 	const auto        verdict = jam.update(overlap, outcome.yielded);
 	const bool        none    = verdict == rcr::JamDetector::Verdict::none;
 	const std::string driven  = none ? "" : drivenParts(step);
@@ -111,7 +110,7 @@ void checkEnergy(const rcr::Step& step, long iteration)
 	        + " of its radii in this step. Nothing has moved. Take a smaller O.dt.");
 }
 
-void checkStretch(const rcr::Step& step, long iteration)
+void checkCellStress(const rcr::Step& step, long iteration)
 {
 	if (!step.problem.stretches()) return;
 	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {

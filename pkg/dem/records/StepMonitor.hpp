@@ -25,9 +25,8 @@ public:
 	rcr::JamDetector jam;
 
 	/// Counts the step. Returns a warning, or an empty text. Throws std::runtime_error if overlaps
-	/// grow from step to step while bodies are driven. `overlap`: deepest at the beginning of the
-	/// step, over R₁ + R₂ [-].
-	std::string count(const rcr::Step&, const StepOutcome&, double overlap);
+	/// grow from step to step while bodies are driven.
+	std::string count(const rcr::Step&, const StepOutcome&, rcr::ThreadTeam&);
 
 	template <class Archive> void serialize(Archive& archive, unsigned)
 	{
@@ -41,9 +40,6 @@ public:
 	}
 };
 
-/// Deepest overlap at the beginning of the step over R₁ + R₂, except between prescribed bodies.
-double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
-
 /// If a solved velocity is not finite, saves the problem to a file and throws std::runtime_error.
 /// Calls Python, so it takes the GIL (engine/contactDynamicsResults.cpp).
 void checkFinite(const rcr::Step&, long iteration);
@@ -55,7 +51,7 @@ void checkEnergy(const rcr::Step&, long iteration);
 
 /// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step, or
 /// press bodies of prescribed motion against each other across the boundary.
-void checkStretch(const rcr::Step&, long iteration);
+void checkCellStress(const rcr::Step&, long iteration);
 
 /// Mean and largest net force on a free grain or clump over the mean normal force of closed points
 /// [-]; inf without contacts.

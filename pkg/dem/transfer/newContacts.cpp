@@ -33,8 +33,7 @@ rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engine
 			validation::refuseUnsupported(scene, id1, id2);
 			return false;
 		}
-		return validation::isFrictional(one.material.get())
-		        && validation::isFrictional(two.material.get());
+		return validation::materialError(scene, id1, id2).empty();
 	};
 }
 

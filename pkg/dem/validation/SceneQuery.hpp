@@ -2,7 +2,6 @@
 #pragma once
 
 #include "dem/engine/ContactDynamics.hpp"
-#include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 
 namespace yade::validation {

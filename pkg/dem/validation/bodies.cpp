@@ -71,8 +71,10 @@ Real planeOf(const Scene& scene)
 std::string materialError(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	for (Body::id_t id : { id1, id2 }) {
-		const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
-		if (isFrictional(material.get())) continue;
+		const Material* material = (*scene.bodies)[id]->material.get();
+		// a CohFrictMat is none: its cohesion and rolling resistance would have no effect
+		if (dynamic_cast<const FrictMat*>(material) && material->getClassName() != "CohFrictMat")
+			continue;
 		return bodyNames({ id }) + " has "
 		        + (material ? "the material " + material->getClassName()
 		                    : std::string("no material"))
@@ -157,18 +159,14 @@ std::string invalidBodies(const SceneQuery& v)
 	return {};
 }
 
-static bool isFreeRcr(const Body& b)
-{
-	return dynamic_cast<const Rcr*>(b.shape.get()) && b.isStandalone() && b.isDynamic();
-}
-
 std::string sphereEngineWarning(const Scene& scene)
 {
 	for (const auto& engine : scene.engines) {
 		const std::string name = engine->getClassName();
 		if (name == "DomainLimiter")
 			for (const auto& b : *scene.bodies)
-				if (b && isFreeRcr(*b))
+				if (b && dynamic_cast<const Rcr*>(b->shape.get()) && b->isStandalone()
+				        && b->isDynamic())
 					return name + " never deletes " + bodyNames({ b->getId() })
 					        + ", which is no Sphere; delete it by a PyRunner: O.bodies.erase(id).";
 		if (name != "DragEngine" && name != "LinearDragEngine" && name != "HydroForceEngine")

@@ -45,21 +45,15 @@ std::string velocityGradient(const SceneQuery& v)
 	          "rectangular.";
 }
 
-/// Bounds the half box of a Facet in any direction.
-static Real halfLongestEdge(const Facet& facet)
-{
-	Real longest = 0;
-	for (int k = 0; k < 3; ++k)
-		longest = math::max(longest, (facet.vertices[k] - facet.vertices[(k + 1) % 3]).norm());
-	return longest / 2;
-}
-
-/// Half the box of a body in any direction, at most.
+/// Half the box of a body in any direction, at most. That of a Facet is not that of its segment.
 static Real halfBox(const Body& b)
 {
-	if (const auto* facet = dynamic_cast<const Facet*>(b.shape.get())) // not of its segment
-		return halfLongestEdge(*facet);
-	return plane::shapeOf(*b.shape, *b.state, b.state->pos.z()).radius();
+	const auto* facet = dynamic_cast<const Facet*>(b.shape.get());
+	if (!facet) return plane::shapeOf(*b.shape, *b.state, b.state->pos.z()).radius();
+	Real longest = 0; // edge
+	for (int k = 0; k < 3; ++k)
+		longest = math::max(longest, (facet->vertices[k] - facet->vertices[(k + 1) % 3]).norm());
+	return longest / 2;
 }
 
 /// Largest distance of the outlines of two members, at most.

@@ -82,7 +82,11 @@ std::string takeError()
 void awaitEnd()
 {
 	if (Omega::instance().isRunning()) return;
-	const std::lock_guard<std::mutex> ended(runMutex(runThread(Omega::instance())));
+	Py_BEGIN_ALLOW_THREADS;
+	{
+		const std::lock_guard<std::mutex> ended(runMutex(runThread(Omega::instance())));
+	}
+	Py_END_ALLOW_THREADS;
 }
 
 } // namespace yade

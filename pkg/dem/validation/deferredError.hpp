@@ -22,7 +22,8 @@ void rememberError(const std::string& message);
 /// Returns the message of the exception that ended the last run, and clears it.
 std::string takeError();
 
-/// Waits until a paused run is over, since O.pause() returns during its last step.
+/// Waits until a paused run is over, since O.pause() returns during its last step. Releases
+/// Python's lock meanwhile.
 void awaitEnd();
 
 } // namespace yade

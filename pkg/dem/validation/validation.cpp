@@ -1,7 +1,6 @@
 #include "dem/validation/SceneQuery.hpp"
 
 #include "dem/engine/CellStress.hpp"
-#include "dem/engine/homoDeform.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/validation/deferredError.hpp"
 
@@ -287,26 +286,6 @@ Engines Validator::validate(const Scene& scene)
 	return engines_;
 }
 
-bool isFrictional(const Material* material)
-{
-	return dynamic_cast<const FrictMat*>(material) && material->getClassName() != "CohFrictMat";
-}
-
-/// Reports an error from a parallel loop before the solve of a step.
-static void report(const SceneQuery& view, const std::string& message)
-{
-	if (view.indexOf<ContactDynamics>() < 0) deferError(message);
-	else
-		leaveSceneError(view.scene, message);
-}
-
-bool requireFrictMat(const Scene& scene, Body::id_t id1, Body::id_t id2)
-{
-	const std::string error = materialError(scene, id1, id2);
-	if (!error.empty()) report(SceneQuery(scene), error);
-	return error.empty();
-}
-
 bool mayCollide(const Scene& scene, Collider& collider, Body::id_t id1, Body::id_t id2)
 {
 	const Body *one = (*scene.bodies)[id1].get(), *two = (*scene.bodies)[id2].get();
@@ -320,21 +299,25 @@ bool mayCollide(const Scene& scene, Collider& collider, Body::id_t id1, Body::id
 
 bool acceptContact(const Interaction& i, const Scene& scene)
 {
-	if (!requireFrictMat(scene, i.getId1(), i.getId2())) return false;
-	// YADE checks masks only when boxes begin to overlap; here a rigid contact forms
 	const SceneQuery view(scene);
-	Collider*        collider = view.law == rigid ? view.first<Collider>() : nullptr;
+	const auto       reject = [&](const std::string& error) { // in a parallel loop
+		if (view.indexOf<ContactDynamics>() < 0) deferError(error);
+		else
+			leaveSceneError(scene, error);
+		return false;
+	};
+	std::string error = materialError(scene, i.getId1(), i.getId2());
+	if (!error.empty()) return reject(error);
+	// YADE checks masks only when boxes begin to overlap; here a rigid contact forms
+	Collider* collider = view.law == rigid ? view.first<Collider>() : nullptr;
 	if (collider && !mayCollide(scene, *collider, i.getId1(), i.getId2())) return false;
 	thread_local Signature passed; // of the last valid scene
 	const Signature        now = signature(scene);
 	if (now == passed) return true;
-	const std::string message = sceneError(scene);
-	if (message.empty()) {
-		passed = now;
-		return true;
-	}
-	report(view, message);
-	return false;
+	error = sceneError(scene);
+	if (!error.empty()) return reject(error);
+	passed = now;
+	return true;
 }
 
 } // namespace yade::validation

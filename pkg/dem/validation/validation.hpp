@@ -113,13 +113,8 @@ private:
 /// Returns true if YADE's rules of masks, clumps and bounds allow a contact of the two bodies.
 bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
 
-/// Returns true for a FrictMat. A CohFrictMat is none: its cohesion and rolling resistance would have
-/// no effect.
-bool isFrictional(const Material*);
 /// Message about a body of a contact without a FrictMat; empty: both have one.
 std::string materialError(const Scene&, Body::id_t id1, Body::id_t id2);
-/// Returns true if materialError is empty; otherwise reports it as acceptContact does.
-bool requireFrictMat(const Scene&, Body::id_t id1, Body::id_t id2);
 /// Returns true if the interaction may become a contact. Its bodies must have a FrictMat, YADE must
 /// allow the pair, and the scene must be valid. ContactDynamics throws the error of the scene later
 /// in this step. Errors of scenes without ContactDynamics are deferred to Python.

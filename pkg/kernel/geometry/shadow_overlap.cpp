@@ -47,30 +47,6 @@ namespace {
 
 	Facing swapped(const Facing& f) { return { f.core2, f.core1, -f.normal, f.distance, f.side }; }
 
-	/// Gaps between the projections of two core segments, along and across each segment [m].
-	struct ProjectedGaps {
-		double along1, across1, along2, across2; // negative: overlap
-
-		ProjectedGaps(Vec2 d, Vec2 axis1, double a1, Vec2 axis2, double a2)
-		{
-			const double sine = std::abs(cross(axis1, axis2)), cosine = std::abs(dot(axis1, axis2));
-			along1  = std::abs(dot(axis1, d)) - a1 - a2 * cosine;
-			across1 = std::abs(cross(axis1, d)) - a2 * sine;
-			along2  = std::abs(dot(axis2, d)) - a2 - a1 * cosine;
-			across2 = std::abs(cross(axis2, d)) - a1 * sine;
-		}
-
-		/// Lower bound of the distance of the segments.
-		double lowerBound() const
-		{
-			return std::max(std::max(along1, across1), std::max(along2, across2));
-		}
-
-		/// Returns true if the ends of each segment lie strictly on both sides of the other
-		/// segment. Rounding decides the sides of collinear segments, so `along1` is tested too.
-		bool crossing() const { return across1 < 0 && across2 < 0 && along1 < 0; }
-	};
-
 	ManifoldPoint manifoldPoint(const Facing& f, double radius1, double radius2)
 	{
 		const Vec2 surface1 = f.core1 + radius1 * f.normal, surface2 = f.core2 - radius2 * f.normal;
@@ -205,8 +181,15 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 	const Vec2   d = at2.center - at1.center;
 	const double maxDistance = s1.halfLength + s1.capRadius + s2.halfLength + s2.capRadius + maxGap;
 	if (dot(d, d) > maxDistance * maxDistance) return {};
-	const ProjectedGaps gaps(d, at1.axis, s1.halfLength, at2.axis, s2.halfLength);
-	if (gaps.lowerBound() > s1.capRadius + s2.capRadius + maxGap) return {};
+	// gaps between the projections of the cores, along and across each of them; negative: overlap
+	const double sine    = std::abs(cross(at1.axis, at2.axis)),
+	             cosine  = std::abs(dot(at1.axis, at2.axis));
+	const double along1  = std::abs(dot(at1.axis, d)) - s1.halfLength - s2.halfLength * cosine,
+	             across1 = std::abs(cross(at1.axis, d)) - s2.halfLength * sine,
+	             along2  = std::abs(dot(at2.axis, d)) - s2.halfLength - s1.halfLength * cosine,
+	             across2 = std::abs(cross(at2.axis, d)) - s1.halfLength * sine;
+	const double lowerBound = std::max(std::max(along1, across1), std::max(along2, across2));
+	if (lowerBound > s1.capRadius + s2.capRadius + maxGap) return {};
 
 	const Vec2 core1 = s1.halfLength * at1.axis, core2 = s2.halfLength * at2.axis;
 	Facing     facing[4] = {
@@ -215,7 +198,9 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 		    swapped(project(at1.center - core1, at2.center, at2.axis, s2.halfLength, -d)),
 		    swapped(project(at1.center + core1, at2.center, at2.axis, s2.halfLength, -d)),
 	};
-	if (gaps.crossing()) {
+	// The ends of each core lie strictly on both sides of the other. Rounding decides the sides of
+	// collinear cores, so `along1` is tested too.
+	if (across1 < 0 && across2 < 0 && along1 < 0) {
 		// Moves the end of the smallest depth back to its side. Ends beyond the other core count
 		// too, with their distance to its line: they also bound the translation.
 		Facing least;

@@ -11,13 +11,6 @@ using namespace std::chrono_literals;
 constexpr int  aloneFactor = 10;
 constexpr auto maxAlone    = 400ms; // upper bound of this time
 
-void ThreadTeam::begin(int threads)
-{
-	threads_ = threads;
-	running_ = true;
-	request();
-}
-
 void ThreadTeam::request()
 {
 	if (threads_ == 1) return;

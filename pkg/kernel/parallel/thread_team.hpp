@@ -28,11 +28,12 @@ public:
 			lead();
 			return;
 		}
-		begin(threads);
+		threads_ = threads, running_ = true;
 		struct Run {
 			ThreadTeam& team;
 			~Run() { team.end(); }
 		} run { *this };
+		request();
 		lead();
 	}
 
@@ -108,7 +109,6 @@ private:
 		}
 	};
 
-	void begin(int threads);
 	void end();
 	void request();
 	void lead(int begin, int end, void (*work)(void*, int), void* context);
