@@ -64,23 +64,13 @@ def accuracy(packing, outcome):
     free = packing.free_velocity(np.array(outcome["before"]))
     problem = BodyProblem(packing.inverse_mass, free, bodies, normal, arm1, arm2, 0 * friction,
                           friction, impulse).delassus()
-    impulses = generalised(bodies, normal, arm1, arm2, impulse, len(free))
+    impulses = measure.generalised(bodies, normal, arm1, arm2, impulse, len(free))
     after, stated = free + packing.inverse_mass * impulses, np.array(outcome["after"])
     overlap = -table[:, 11] - SKIN * (bodies < packing.grains).sum(1)
     residual = measure.residual_of(problem, impulse)
     error = np.linalg.norm(stated - after) / max(np.linalg.norm(stated), 1e-300)
     return dict(points=len(table), residual=residual, velocity_error=float(error),
                 mean_overlap=float(np.maximum(0, overlap).mean()))
-
-
-def generalised(bodies, normal, arm1, arm2, impulse, count):
-    """Jᵀp, (count, 3)."""
-    force = impulse[:, :1] * normal + impulse[:, 1:] * np.stack([-normal[:, 1], normal[:, 0]], 1)
-    result = np.zeros((count, 3))
-    for side, arm, sign in (0, arm1, -1), (1, arm2, 1):
-        torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
-        np.add.at(result, bodies[:, side], sign * np.column_stack([force, torque]))
-    return result
 
 
 def peer_rows(name, program, packing, options):

@@ -15,7 +15,6 @@ settings are not run again, so an interrupted call resumes. A larger --limit rep
 out of time. Times are processor time of one thread.
 """
 
-import io
 import json
 import multiprocessing
 import os
@@ -128,9 +127,8 @@ def draw(letter, given, options):
             print(json.dumps(rows, indent=2))
     figure = module.plot([row for row in table.rows if row["point"] in names], options)
     for suffix in "png", "svg":
-        image = io.BytesIO()
-        figure.savefig(image, format=suffix, dpi=110, bbox_inches="tight")
-        files.write(f"{base}.{suffix}", image.getvalue())
+        with files.atomic_path(f"{base}.{suffix}") as partial:
+            figure.savefig(partial, dpi=110, bbox_inches="tight")
     found = [row for row in table.rows if row["status"] == "ok"]
     if hasattr(module, "ratios"):
         print("\n".join(map(" | ".join, module.ratios(found))))

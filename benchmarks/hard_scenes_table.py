@@ -25,7 +25,7 @@ def arguments():
     parser.add_argument("--out", type=script.new_file, default="hard-scenes.csv", metavar="FILE",
                         help="CSV")
     options = parser.parse_args()
-    names = hard_scenes.names()
+    names = sorted(hard_scenes.SCENES)
     options.names = [name for name in names if name.startswith(tuple(options.only.split(",")))]
     if not options.names:
         parser.error(f"--only {options.only}: expected prefixes of {', '.join(names)}")
@@ -46,7 +46,7 @@ def main():
     print("|---" * 7 + "|")
     rows, failed = [], []
     for name in options.names:
-        module = hard_scenes.scene(name)
+        module = hard_scenes.SCENES[name]
         results = {run: hard_scenes.run(name, **how) for run, how in RUNS.items()}
         measured = " | ".join(f"{result.measured:.2g}" for result in results.values())
         judged = verdict(results)

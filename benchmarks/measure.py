@@ -14,24 +14,26 @@ FEW = 10  # sweeps of the shorter call; the difference cancels the cost of a cal
 UNITS_OF_WORK = 300_000  # points times sweeps of one timing: a few ms, often undisturbed
 
 
-def residual(matrix, q, friction, p):
-    """Relative natural-map residual ‖p − P_K(p − (û + µ|u_t| n)/w_nn)‖/‖p‖, û = W p + q [-].
-
-    `matrix` is W (2 nc, 2 nc) in the order n₀, t₀, n₁, t₁ …; q includes b_n; q and the impulses p
-    are (nc, 2).
-    """
-    u = (matrix @ p.ravel()).reshape(-1, 2) + q
-    w = matrix.diagonal()[::2]
-    w = np.where(w > 0, w, np.inf)
-    n, t = p[:, 0] - (u[:, 0] + friction * abs(u[:, 1])) / w, p[:, 1] - u[:, 1] / w
+def error(p, u, friction, w):
+    """‖p − P_K(p − (u + µ|u_t| n)/w_nn)‖ of every point [N s/m]; 0 where no impulse moves it."""
+    moves, w = w > 0, np.where(w > 0, w, 1)
+    x, y = p[:, 0] - (u[:, 0] + friction * abs(u[:, 1])) / w, p[:, 1] - u[:, 1] / w
     # normal part of the projection onto the edge of the cone
-    edge = np.maximum(n + friction * abs(t), 0) / (1 + friction**2)
-    inside = (abs(t) <= friction * n) & (n > 0)
-    error = np.hypot(p[:, 0] - np.where(inside, n, edge),
-                     p[:, 1] - np.where(inside, t, friction * edge * np.sign(t)))
-    error[np.isinf(w)] = 0
-    size = np.linalg.norm(p)
-    return float(np.linalg.norm(error) / size) if size else float(error.any())
+    edge = np.maximum(x + friction * abs(y), 0) / (1 + friction**2)
+    inside = (abs(y) <= friction * x) & (x > 0)
+    n, t = np.where(inside, x, edge), np.where(inside, y, friction * edge * np.sign(y))
+    return np.where(moves, np.hypot(p[:, 0] - n, p[:, 1] - t), 0)
+
+
+def residual(matrix, q, friction, p):
+    """Relative residual ‖error‖/‖p‖ with u = W p + q [-]; the numerator alone for p = 0.
+
+    `matrix` is W (2 nc, 2 nc), sparse or dense, in the order n₀, t₀, n₁, t₁ …; q includes b_n; q
+    and the impulses p are (nc, 2).
+    """
+    w = matrix.diagonal()[::2]
+    miss = error(p, (matrix @ p.ravel()).reshape(-1, 2) + q, friction, w)
+    return float(np.linalg.norm(miss) / (np.linalg.norm(p[w > 0]) or 1))
 
 
 def matrix(problem):
@@ -45,6 +47,16 @@ def matrix(problem):
 def residual_of(problem, p):
     """The same residual, of a `DelassusProblem`."""
     return residual(matrix(problem), problem.q, problem.friction, p)
+
+
+def generalised(bodies, normal, arm1, arm2, impulse, count):
+    """Jᵀp, (count, 3)."""
+    force = impulse[:, :1] * normal + impulse[:, 1:] * np.stack([-normal[:, 1], normal[:, 0]], 1)
+    result = np.zeros((count, 3))
+    for side, arm, sign in (0, arm1, -1), (1, arm2, 1):
+        torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+        np.add.at(result, bodies[:, side], sign * np.column_stack([force, torque]))
+    return result
 
 
 def rounds(repeats, budget, functions):

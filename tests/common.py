@@ -1,6 +1,5 @@
 """Parts of tests: refusals, processes, waiting, stand-ins for other programs and their tables."""
 
-import csv
 import json
 import subprocess
 import sys
@@ -42,11 +41,6 @@ def wait_until(condition, limit=60):
     while not condition():
         assert time.monotonic() < end, "nothing happened"
         time.sleep(0.005)
-
-
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def answer(path, **outcome):

@@ -22,15 +22,15 @@ VERDICTS = {"holds": "#4daf4a", "drifts": "#ffcc33", "blows up": "#e41a1c", "too
 
 
 def points(options):
-    names = [name for name in suite.names() if not options.quick or name.startswith(QUICK)]
+    names = [name for name in sorted(suite.SCENES) if not options.quick or name.startswith(QUICK)]
     dts = (1e-4, 1e-3, 1e-2) if options.quick else (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
     return [f"{name}/{law}/{dt:g}" for name in names for law in LAWS for dt in dts
-            if law == "cd" or not suite.scene(name).RIGID_ONLY]
+            if law == "cd" or not suite.SCENES[name].RIGID_ONLY]
 
 
 def run(name, options):
     scene, law, dt = name.split("/")
-    module = suite.scene(scene)
+    module = suite.SCENES[scene]
     is_long = "seconds" in inspect.signature(module.run).parameters
     shortened = dict(seconds=1.0 if options.quick else 10.0) if is_long else {}
     found = suite.run(scene, LAWS[law], float(dt), **shortened)

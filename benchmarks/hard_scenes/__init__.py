@@ -12,24 +12,15 @@ from functools import partial
 from . import contacts, driven, impacts, rest  # noqa: F401: they fill SCENES
 from .stage import COARSE, DT, SCENES, Clock, ContactDynamics, D, Smooth, build, farthest
 
-__all__ = ["COARSE", "DT", "TIGHT", "ContactDynamics", "Result", "Smooth", "names", "run", "scene",
-           "title"]  # fmt: skip
+__all__ = ["COARSE", "DT", "SCENES", "TIGHT", "ContactDynamics", "Result", "Smooth", "run", "title"]
 
 TUNNEL = 1.0  # overlap over the smaller cap radius at which a contact reaches a centre line
 TIGHT = ContactDynamics(dict(tolerance=1e-10, kinematicTolerance=1e-5))  # without solver errors
 BLOW_UP = 0.05  # energy gain over the scale; time stepping gives some per cent at 10 dt
 
 
-def names():
-    return sorted(SCENES)
-
-
-def scene(name):
-    return SCENES[name]
-
-
 def title(name):
-    return f"{name[:3].upper().replace('S0', 'S')} {scene(name).TITLE}"
+    return f"{name[:3].upper().replace('S0', 'S')} {SCENES[name].TITLE}"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -48,12 +39,12 @@ class Result:
 def run(name, law=ContactDynamics(), dt=DT, **shortened):
     """Result of a scene; long scenes take a number of `seconds`."""
     clock = Clock()
-    measured = scene(name).run(partial(build, law, dt), clock, **shortened)
+    measured = SCENES[name].run(partial(build, law, dt), clock, **shortened)
     if isinstance(measured, list):
         measured = farthest(measured, clock, 10.0) / D
     return Result(
         measured=float(measured), gain=clock.gain / clock.scale, overlap=clock.overlap,
         steps=clock.steps, seconds=time.process_time() - clock.began,
-        holds=measured <= scene(name).BOUND,
+        holds=measured <= SCENES[name].BOUND,
         stable=math.isfinite(clock.gain) and clock.gain <= BLOW_UP * clock.scale
         and clock.overlap < TUNNEL)

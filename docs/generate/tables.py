@@ -27,18 +27,11 @@ from rcr._yade.counterparts import COUNTERPARTS
 from rcr.plot import CATEGORIES, CONTACTS, SCALES
 from rcr.profile import QUANTITIES
 from rcr.study.claims import findings
-from rcr.study.report import markdown
+from rcr.study.report import HEADER, markdown as table
 
 DOCS = pathlib.Path(__file__).resolve().parents[1]
 ROOT = DOCS.parent
 MARK = re.compile(r"(<!-- table: (\S+) -->\n).*?(<!-- end -->)", re.S)
-
-
-def table(header, rows):
-    """Markdown of a table."""
-    cell = lambda text: str(text).replace("|", "\\|")
-    lines = [header, ["---"] * len(header), *rows]
-    return "".join("| " + " | ".join(map(cell, line)) + " |\n" for line in lines)
 
 
 def measured(name):
@@ -71,7 +64,7 @@ def hard_scenes():
 
     rows = []
     for name in dict.fromkeys(scene for scene, _, _ in runs):
-        scene = suite.scene(name)
+        scene = suite.SCENES[name]
         rows.append([suite.title(name), scene.PREDICATE, f"{scene.BOUND:g}",
                      result(name, "cd", 1e-3), result(name, "cd", 1e-2),
                      result(name, "smooth", 1e-4)])
@@ -161,7 +154,7 @@ def study():
     for entry in analysis.values():
         entry["value"] = {name: np.array(values, float) for name, values in entry["value"].items()
                           if name != "files"}
-    return markdown(findings(analysis))
+    return table(HEADER, findings(analysis))
 
 
 def examples():

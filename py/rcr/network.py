@@ -134,9 +134,7 @@ class Network:
 
     def stress_axes(self):
         """Return the principal axes of the stress as columns, that of σ₁ first, (2, 2) [-]."""
-        self._check_loaded()
-        moments = self._moments()
-        return np.linalg.eigh(0.5 * (moments + moments.T))[1][:, ::-1]
+        return np.linalg.eigh(self._symmetric_moments())[1][:, ::-1]
 
     def stress_angle(self):
         """Return θσ, the angle from x to the axis of σ₁, in [0, π) [rad]."""
@@ -150,14 +148,14 @@ class Network:
 
     def sin_phi(self):
         """Return q/p of the stress of all contacts [-]."""
-        self._check_loaded()
-        moments = self._moments()
-        return sin_phi(np.linalg.eigvalsh(0.5 * (moments + moments.T)))
+        return sin_phi(np.linalg.eigvalsh(self._symmetric_moments()))
 
-    def _check_loaded(self):
-        """Raise ValueError for a network without contacts, whose stress is zero."""
+    def _symmetric_moments(self):
+        """Return the symmetric part of Σ f⊗ℓ [N]; a ValueError reports that it has no axes."""
         if not len(self.contacts["body1"]):
             raise ValueError("the network has no contact; its stress has no principal axes")
+        moments = self._moments()
+        return 0.5 * (moments + moments.T)
 
     def local_components(self):
         """Return n, t, and (n, t) components of branch and force between grains, (C, 2) each."""

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from natural_map import error
+from benchmarks.bench_reductions import ALL, without  # noqa: F401: for the tests
+from benchmarks.measure import error, generalised
 from rcr import _kernel, problems
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 DATA = Path(__file__).parents[1] / "data"
-ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
 ROUNDING = 1e-13  # of a residual: sums of some thousand velocities with errors of 1e-16
 BODY_ARRAYS = "inverse_mass", "free_velocity"
 LANES_AND_THREADS = [(lanes, threads) for lanes in (1, 4, 8) for threads in (1, 2, 4)]
@@ -58,14 +58,9 @@ def jacobian_times(problem, v):
 
 def velocity(problem, p):
     """v_free + M⁻¹Jᵀp, (nb, 3)."""
-    a, b = problem["bodies"].T
-    n, r1, r2 = problem["normal"], problem["arm1"], problem["arm2"]
-    f = p[:, :1] * n + p[:, 1:] * np.stack([-n[:, 1], n[:, 0]], 1)
-    cross = lambda r: r[:, 0] * f[:, 1] - r[:, 1] * f[:, 0]
-    sums = np.zeros_like(problem["free_velocity"])
-    np.add.at(sums, b, np.column_stack([f, cross(r2)]))
-    np.add.at(sums, a, -np.column_stack([f, cross(r1)]))
-    return problem["free_velocity"] + problem["inverse_mass"] * sums
+    free, names = problem["free_velocity"], ("bodies", "normal", "arm1", "arm2")
+    sums = generalised(*(problem[name] for name in names), p, len(free))
+    return free + problem["inverse_mass"] * sums
 
 
 def dense(problem):
@@ -166,10 +161,6 @@ def models_in_a_workspace(*problems, **settings):
 
 def model(problem, **settings):
     return models_in_a_workspace(problem, tolerance=0, max_iterations=1, **settings)[0]
-
-
-def without(*names):
-    return [name for name in ALL if name not in names]
 
 
 def run(code, seconds=120):

@@ -9,11 +9,12 @@ from unittest import mock
 import numpy as np
 import pytest
 from rcr import _kernel, problems
+from rcr._data.files import read_table
 from rcr.network import Network
 from scipy.sparse import csc_array
 
 import synthetic
-from common import answer, complaint, ended, python, refused, rows_of
+from common import answer, complaint, ended, python, refused
 from problem_files import npz
 
 ROOT = Path(__file__).parents[2]
@@ -36,9 +37,7 @@ def solved(problem, tolerance=1e-10):
 
 
 def residual(problem):
-    delassus = problem.delassus()
-    return measure.residual(measure.matrix(delassus), delassus.q, delassus.friction,
-                            problem.impulse)
+    return measure.residual_of(problem.delassus(), problem.impulse)
 
 
 # --- what is measured with
@@ -93,7 +92,7 @@ def bench(script, *arguments, out, code=0):
     """A function of a table's name that returns its rows, or for the code None CompletedProcess."""
     done = ended(sys.executable, ROOT / "scripts" / script, *arguments, "--out", out, cwd="/",
                  code=code)
-    return done if code is None else lambda table: rows_of(out / f"{table}.csv")
+    return done if code is None else lambda table: read_table(out / f"{table}.csv", ())
 
 
 FAST = ["--repeats", "1", "--budget", "0"]

@@ -36,6 +36,7 @@ _SMALL = (f"A test has fewer than {FEWEST} grains. The figures show what the stu
 _RULE = ("A value agrees within its tolerance or two standard errors. A trend must exceed two "
          "standard errors. Errors are those over seeds, or over networks with fewer than three "
          "seeds. The small print under each statement is its criterion.")
+HEADER = "", "paper", "agrees if", "measured", "error", "verdict"
 _TITLES = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 
@@ -67,7 +68,7 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
             pictures[key].append(picture)
         table = findings(analysis)
         (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
-        (folder / "table.md").write_text(markdown(table), encoding="utf-8")
+        (folder / "table.md").write_text(markdown(HEADER, table), encoding="utf-8")
         page = _page(material, has_small_packing(runs), analysis, table, pictures)
         (folder / "report.html").write_text(page, encoding="utf-8")
         begin()
@@ -208,11 +209,11 @@ def yielded_steps(runs):
     return f"Steps without a solution: {'; '.join(parts)}.{end}"
 
 
-def markdown(table):
-    """Return the table in Markdown."""
-    rows = [("", "paper", "agrees if", "measured", "error", "verdict"), ("---",) * 6, *table]
-    escaped = ([cell.replace("|", "\\|") for cell in row] for row in rows)
-    return "".join("| " + " | ".join(row) + " |\n" for row in escaped)
+def markdown(header, rows):
+    """Return a table in Markdown."""
+    lines = [header, ["---"] * len(header), *rows]
+    escaped = ([str(cell).replace("|", "\\|") for cell in line] for line in lines)
+    return "".join("| " + " | ".join(line) + " |\n" for line in escaped)
 
 
 def _row(row, grey):

@@ -5,7 +5,7 @@ docs/measurements/hard-scenes.md describes the scenes. S20 is test_same_bits.py.
 
 import pytest
 from benchmarks import hard_scenes
-from benchmarks.hard_scenes import COARSE
+from benchmarks.hard_scenes import COARSE, SCENES
 
 SLOW = ("s01_grain_on_pile", "s03_cold_box", "s04_together", "s10_shuffled", "s19_pyramid",
         "s19_disc_pyramid", "s19_tall_stack", "s04_mass_ratio")
@@ -17,7 +17,7 @@ DRIFTS = ("s06_overlap_heals", "s08_joints", "s11_painleve", "s19_disc_pyramid")
 
 
 def parameters(fails):
-    marks = {name: [pytest.mark.slow] if name in SLOW else [] for name in hard_scenes.names()}
+    marks = {name: [pytest.mark.slow] if name in SLOW else [] for name in sorted(SCENES)}
     for name, reason in fails.items():
         marks[name].append(pytest.mark.xfail(reason=reason, strict=True))
     return [pytest.param(name, marks=of) for name, of in marks.items()]
@@ -30,13 +30,13 @@ def run(name, **how):
 
 @pytest.mark.parametrize("name", parameters(FAILS))
 def test_scene_keeps_its_bound(name):
-    result, scene = run(name), hard_scenes.scene(name)
+    result, scene = run(name), SCENES[name]
     assert result.measured <= scene.BOUND, f"{scene.PREDICATE}: {result}"
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
 
 
 @pytest.mark.parametrize("name", parameters(fails={}))
 def test_scene_is_stable_at_ten_time_steps(name):
-    result, scene = run(name, dt=COARSE), hard_scenes.scene(name)
+    result, scene = run(name, dt=COARSE), SCENES[name]
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
     assert (result.measured <= scene.BOUND) != (name in DRIFTS), f"{scene.PREDICATE}: {result}"

@@ -4,8 +4,8 @@ from functools import partial
 
 import forked
 import pytest
+from rcr._data.files import read_table
 from rcr.study.biaxial import Biaxial
-from common import rows_of
 
 bench = partial(forked.yade_script, "bench_step.py")
 ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress",
@@ -18,7 +18,7 @@ def test_checkpoint(tmp_path):
     (tmp_path / "scene").mkdir()
     test.save(tmp_path / "scene")
     bench(tmp_path / "scene", "--steps", 7, "--threads", 2, "--out", tmp_path / "out")
-    all_rows, wholes = (rows_of(tmp_path / "out" / f"yade_{name}.csv")
+    all_rows, wholes = (read_table(tmp_path / "out" / f"yade_{name}.csv", ())
                         for name in ("engines", "step"))
     assert [whole["way"] for whole in wholes] == ["engines", "arrays"]
     assert [whole["in_arrays"] for whole in wholes] == ["0", "6"]
@@ -41,5 +41,5 @@ def test_checkpoint(tmp_path):
 def test_so_many_sweeps(tmp_path):
     Biaxial.prepare(eta=0.5, particles=20).save(tmp_path)
     bench(tmp_path, "--steps", 3, "--iterations", 13, "--out", tmp_path / "out")
-    for whole in rows_of(tmp_path / "out" / "yade_step.csv"):
+    for whole in read_table(tmp_path / "out" / "yade_step.csv", ()):
         assert float(whole["iterations"]) == 13 and float(whole["tolerance"]) == 0

@@ -75,6 +75,7 @@ def test_the_default_folder_is_out_campaign(tmp_path):
 @needs_snakemake
 @pytest.mark.parametrize("options, expected", [
     ("", dict(inertial_number=1e-4, approach=0.1, time_step=0.4, iterations=10_000, friction=0.5)),
+    (" --networks 3", dict(networks=3)),
     pytest.param(" --iterations 500 --time-step 0.05 --friction 0.3",
                  dict(iterations=500, time_step=0.05, friction=0.3), marks=pytest.mark.slow),
 ])  # fmt: skip
@@ -141,14 +142,6 @@ def test_the_clone_may_have_spaces_in_its_path(tmp_path):
           "--cores", "1", "--quiet", "--config", "particles=60", "strain=0.04", "etas=0.5",
           "seeds=2")
     assert (out / "report" / "report.html").exists()
-
-
-@needs_snakemake
-def test_another_number_of_networks_is_another_run(tmp_path):
-    for networks in "2", "3":
-        campaign(tmp_path, *SMALL, "--strain", "0.004", "--networks", networks)
-    names = sorted(folder.name for folder in (tmp_path / "runs").iterdir())
-    assert names == [f"particles-60-strain-0.004-networks-{n}-eta-0.5-seed-2" for n in (2, 3)]
 
 
 @needs_snakemake
