@@ -4,21 +4,52 @@
 
 namespace yade {
 
-/// Lengths of the cell along x and y [m]. They do not depend on the choice of its edges, which
-/// O.cell.flipCell changes: the shortest lattice vector along x, and the area over it.
+/// Length of the shortest lattice vector along x, or along y (`turned`) [m]; 0: none is there.
+static double latticeLength(const rcr::PeriodicCell& cell, bool turned)
+{
+	constexpr int most   = 4; // edges in this vector
+	double        length = 0;
+	for (int i = -most; i <= most; ++i)
+		for (int j = -most; j <= most; ++j) {
+			const rcr::Vec2 v = rcr::product(cell.h, { double(i), double(j) });
+			const double    along = turned ? v.y : v.x, across = turned ? v.x : v.y;
+			if (along > 0 && std::abs(across) < 1e-9 * along && (length == 0 || along < length))
+				length = along;
+		}
+	return length;
+}
+
+/// Lengths of the cell along x and y [m]: the shortest lattice vector along one axis, and the area
+/// over it. They do not depend on the choice of the edges, which O.cell.flipCell changes. If
+/// prescribed motion has turned all lattice vectors, that of the first edge counts as along x.
 static rcr::Vec2 lengths(const rcr::PeriodicCell& cell)
 {
 	const auto& h = cell.h;
-	if (h[1][0] == 0) return { h[0][0], h[1][1] };
-	constexpr int most = 4; // edges in this vector
-	double        x    = 0;
-	for (int i = -most; i <= most; ++i)
-		for (int j = -most; j <= most; ++j) {
-			const rcr::Vec2 v = rcr::product(h, { double(i), double(j) });
-			if (v.x > 0 && std::abs(v.y) < 1e-9 * v.x && (x == 0 || v.x < x)) x = v.x;
-		}
-	if (x == 0) x = std::sqrt(cell.area()); // prescribed motion has turned all lattice vectors
+	if (h[1][0] == 0 || h[0][1] == 0) return { h[0][0], h[1][1] };
+	const double y = latticeLength(cell, true);
+	double       x = latticeLength(cell, false);
+	if (x == 0) x = y > 0 ? cell.area() / y : std::hypot(h[0][0], h[1][0]);
 	return { x, cell.area() / x };
+}
+
+/// Moves a body, its clump members, and the points of their contacts by `cells` edges of the cell.
+static void moveToImage(Body& b, Scene& scene, const Vector3i& cells)
+{
+	const Cell&    cell = *scene.cell;
+	const Vector3r by   = cell.intrShiftPos(cells);
+	b.state->pos += by, b.state->refPos += by;
+	b.state->vel += cell.velGrad * by;
+	for (const auto& [id, contact] : b.intrs) {
+		const bool isFirst = contact->getId1() == b.getId();
+		contact->cellDist += isFirst ? cells : Vector3i(-cells);
+		auto* geom = isFirst ? dynamic_cast<RcrGeom*>(contact->geom.get()) : nullptr;
+		if (!geom) continue; // points lie near body 1
+		geom->contactPoint += by;
+		geom->position1 += Vector2r(by[0], by[1]), geom->position2 += Vector2r(by[0], by[1]);
+	}
+	if (!b.isClump()) return;
+	for (const auto& member : static_cast<const Clump&>(*b.shape).members)
+		moveToImage(*(*scene.bodies)[member.first], scene, cells);
 }
 
 void CellStress::action()
@@ -60,6 +91,18 @@ void CellStress::gatherCell(rcr::Step& step) const
 	};
 	load(0, size.x, step.problem.inverseStretchMass.x, cell.loadRate.x);
 	load(1, size.y, step.problem.inverseStretchMass.y, cell.loadRate.y);
+}
+
+void wrapBodies(Scene& scene)
+{
+	const Matrix3r toCells = scene.cell->hSize.inverse();
+	for (const auto& b : *scene.bodies) {
+		if (!b || b->isClumpMember() || (b->state->blockedDOFs & State::DOF_XYZ) != State::DOF_Z)
+			continue;
+		const Vector3r at = toCells * b->state->pos;
+		const Vector3i cells(-int(math::floor(at[0])), -int(math::floor(at[1])), 0);
+		if (cells != Vector3i::Zero()) moveToImage(*b, scene, cells);
+	}
 }
 
 void suppressHomoDeform(Scene& scene, bool suppress)

@@ -237,7 +237,10 @@ bool spansHalfCell(const Step& step)
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const StepBody& b = step.bodies[id];
 		if (b.shape.kind == PlanarShape::none) continue;
-		const double extent = b.radius + step.pathOf(int(id), step.problem.velocity[id]);
+		PlanarVector v    = step.problem.velocity[id];
+		const Vec2   flow = product(step.cell.gradient, b.center); // moves all bodies alike
+		v.x -= flow.x, v.y -= flow.y;
+		const double extent = b.radius + step.pathOf(int(id), v);
 		second              = std::max(second, std::min(widest, extent));
 		widest              = std::max(widest, extent);
 	}

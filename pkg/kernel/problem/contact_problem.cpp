@@ -85,6 +85,25 @@ double drivenSpeed(const ContactProblem& problem)
 	return fastest;
 }
 
+bool isDriven(const ContactProblem& problem)
+{
+	constexpr double none = std::numeric_limits<double>::quiet_NaN();
+	Vec2             common { none, none };
+	const auto       differs = [](double& shared, double velocity) {
+        if (std::isnan(shared)) shared = velocity;
+        return velocity != shared;
+	};
+	const auto differsAt = [&](int body) {
+		const InverseMass&  m = problem.inverseMass[body];
+		const PlanarVector& v = problem.freeVelocity[body];
+		return (m.x == 0 && differs(common.x, v.x)) || (m.y == 0 && differs(common.y, v.y))
+		        || (m.rotation == 0 && v.rotation != 0);
+	};
+	return std::any_of(problem.points.begin(), problem.points.end(), [&](const ContactPoint& c) {
+		return c.drift.x != 0 || c.drift.y != 0 || differsAt(c.body1) || differsAt(c.body2);
+	});
+}
+
 void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 {
 	const std::size_t bodies = problem.inverseMass.size();

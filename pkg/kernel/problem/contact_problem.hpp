@@ -142,6 +142,10 @@ struct ContactProblem {
 /// Largest speed of driven motion at a contact point, of bodies and of periodic images [m/s].
 double drivenSpeed(const ContactProblem&);
 
+/// Returns true if prescribed motions at the contact points differ from one translation of all
+/// bodies, which would satisfy the contact laws without impulses.
+bool isDriven(const ContactProblem&);
+
 /// u at a point for given velocities of its bodies, components (n, t) [m/s].
 inline LocalVector relativeVelocity(
         const ContactPoint& c, const PlanarVector& v1, const PlanarVector& v2)

@@ -54,6 +54,8 @@ def union(grains):
 
     The integral over y is exact. That over x is Gauss's between kinks of the outline of the union.
     """
+    origin = grains["position"].mean(axis=0)  # digits of large coordinates would cancel
+    grains = dict(grains, position=grains["position"] - origin)
     at, width = _lines(grains)
     low, high = _sections(grains, at)
     order = np.argsort(low, axis=0)
@@ -70,7 +72,7 @@ def union(grains):
     area = width @ length
     center = np.array([width @ (at * length), width @ first]) / area
     polar = width @ (at**2 * length + second) - area * (center @ center)
-    return area, center, polar
+    return area, origin + center, polar
 
 
 def _lines(grains):

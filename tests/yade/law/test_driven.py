@@ -265,3 +265,37 @@ def test_a_large_friction_is_no_jam():
     set_state(1, blockedDOFs="xzXYZ")
     O.run(100, True)
     assert solver().missedSteps == solver().yieldedSteps == 0
+
+
+@pytest.mark.parametrize("drive", ["far", "boost"])
+@pytest.mark.parametrize("angle", [10, 12])
+def test_an_impact_that_nothing_drives_keeps_its_restitution(angle, drive):
+    """A disc falls between two fixed ones; elsewhere a wall creeps, or the whole scene does."""
+    creep, smooth, R = 1e-3, material(0), 0.1
+    x, y = 2 * R * np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+    shared = dict(velocity=(creep, 0)) if drive == "boost" else {}
+    pegs = [rcr.disc((side * x, 0), R, material=smooth, fixed=True, **shared) for side in (-1, 1)]
+    falling = rcr.disc((0, y + 0.0503), R, material=smooth,
+                       velocity=(creep if shared else 0, -2))
+    far = [rcr.wall("x", 50, -1, velocity=-creep, material=smooth),
+           rcr.disc((50 - R, 0), R, material=smooth)]
+    weightless(*pegs, falling, *(far if drive == "far" else []), dt=1e-4, restitution=0.5,
+               tolerance=1e-8)
+    O.run(400, True)
+    assert O.bodies[2].state.vel[1] == pytest.approx(1, rel=1e-5)
+    assert solver().missedSteps == solver().yieldedSteps == 0
+
+
+@pytest.mark.parametrize("e", [0.5, 1])
+def test_a_wall_strikes_a_disc_up_a_slope_with_restitution(e):
+    R, V, smooth = 0.1, 1.0, material(0)
+    a = math.radians(45)
+    normal = np.array([-math.sin(a), math.cos(a)])
+    slope = rcr.segment(*((t * math.cos(a), t * math.sin(a)) for t in (-3, 3)), material=smooth)
+    center = tuple(R * normal)
+    weightless(slope, rcr.disc(center, R, material=smooth),
+               rcr.wall("x", center[0] - R - 0.01, 1, velocity=V, material=smooth), dt=1e-4,
+               restitution=e, tolerance=1e-8)
+    O.run(150, True)
+    assert tuple(O.bodies[1].state.vel)[:2] == pytest.approx(((1 + e) * V,) * 2, rel=1e-3)
+    assert solver().yieldedSteps == 0

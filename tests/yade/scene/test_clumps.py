@@ -194,3 +194,13 @@ def test_area_of_thin_rods_far_apart(distance, angle):
     assert O.bodies[clump].state.mass == pytest.approx(own, rel=1e-9)
     assert O.bodies[clump].state.inertia[2] == pytest.approx(own * distance**2 / 4, rel=1e-2)
     assert rcr.measure.areas()[1].sum() == pytest.approx(own / 1000, rel=1e-3)
+
+
+@pytest.mark.parametrize("far", [1e4, 1e6])
+def test_a_clump_far_from_the_origin_has_its_mass_and_inertia(far):
+    def made(x):
+        build()
+        clump, _ = two_discs((x, -2 * x), 0.3, material(0.5), R=0.01)
+        return O.bodies[clump].state.mass, O.bodies[clump].state.inertia[2]
+
+    assert made(0.01 * far) == pytest.approx(made(0), rel=1e-9)

@@ -608,3 +608,70 @@ def test_a_new_time_step_after_a_refused_step_keeps_the_cell():
     O.engines[3].mass, O.dt = 0.1, 1e-6
     steps(1)
     assert abs(O.cell.hSize[0, 0] / before - 1) < 0.1 * abs(step)
+
+
+def images(cells, overdamped=False):
+    """Strains of a cell under stress, with every second grain `cells` edges further along x."""
+    rng, pitch = np.random.default_rng(3), 0.21
+    size = 5 * pitch
+    grains = [rcr.particle((pitch * (k // 5 + 0.5) + cells * size * (k % 2), pitch * (k % 5 + 0.5)),
+                           rng.uniform(0.08, 0.1), 0.3, rng.uniform(0, 3), material(0.3))
+              for k in range(25)]
+    pressed(*grains, size=size, stress=(100, 100), dt=2e-2 if overdamped else 2e-3,
+            tolerance=1e-10, overdamped=overdamped)
+    steps(60)
+    return [O.cell.hSize[k, k] / size - 1 for k in (0, 1)]
+
+
+@pytest.mark.parametrize("overdamped", [False, True])
+@pytest.mark.parametrize("cells", [1, 20])
+def test_a_stress_does_not_depend_on_the_images_that_hold_the_grains(cells, overdamped):
+    expected = images(0, overdamped)
+    assert min(expected) < -0.01  # it deforms
+    assert images(cells, overdamped) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_grain_that_leaves_a_pressed_cell_moves_to_its_image():
+    """Its displacement does not jump, and a script sees its contact where the grain is."""
+    m = material(0)
+    pressed(*(rcr.disc((x, 0.5), 0.1, material=m, velocity=(1, 0)) for x in (0.75, 0.9499)),
+            size=1.0, stress=(0, 0), dt=1e-2, tolerance=1e-10)
+    before = [tuple(b.state.pos) for b in O.bodies]
+    steps(50)
+    for b, start in zip(O.bodies, before):
+        assert b.state.displ()[0] == pytest.approx(0.5, abs=1e-3)
+        assert b.state.pos[0] == pytest.approx(start[0] - 0.5, abs=1e-3)
+    network = rcr.contact_network()
+    assert len(O.interactions) == 1 and np.isfinite(network.particles["position"]).all()
+    (contact,) = O.interactions
+    assert contact.geom.position1[0] == pytest.approx(O.bodies[0].state.pos[0] + 0.1, abs=0.02)
+
+
+@pytest.mark.parametrize("tilt", [plane(0, 1e-3, 0, 0), plane(0, 0, 1e-3, 0),
+                                  plane(0, 1e-3, 1e-3, 0)], ids=["xy", "yx", "both"])
+def test_a_slight_tilt_keeps_the_inertia_of_a_cell(tilt):
+    """M = Σ m L²/12 along each axis of a cell of 4 × 1 m without contacts."""
+    stress, dt, n = 100, 1e-3, 20
+    m = material(0)
+    scene("rigid", *(rcr.disc((k + 0.5, 0.5), 0.1, material=m) for k in range(4)), dt=dt)
+    O.cell.setBox(4, 1, 2)
+    insert(3, rcr.CellStress(stress=(stress, stress)))
+    O.cell.velGrad = tilt
+    mass = sum(b.state.mass for b in O.bodies)
+    steps(n)
+    for k, length in enumerate((4, 1)):
+        expected = -stress * 4 * n * dt / (mass * length**2 / 12)
+        assert O.cell.velGrad[k, k] == pytest.approx(expected, rel=0.01)
+
+
+def test_a_deforming_cell_far_from_the_origin_misses_no_steps():
+    for far in (0, 1000):
+        rng, pitch = np.random.default_rng(3), 0.204
+        side = 4 * pitch
+        scene("rigid", *(rcr.particle((pitch * (k % 4 + 0.5) + far * side, pitch * (k // 4 + 0.5)),
+                                      rng.uniform(0.085, 0.1), 0.5, rng.uniform(0, 3),
+                                      material(0.3)) for k in range(16)), size=side, dt=1e-3,
+              tolerance=1e-8, overdamped=True)
+        O.cell.velGrad = plane(-0.5, 0.5, 0.1, -0.5)
+        steps(30)
+        assert solver().missedSteps == 0
