@@ -47,6 +47,7 @@
 #include <pkg/common/StepDisplacer.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/DemXDofGeom.hpp>
+#include <pkg/dem/ForceTorqueRecorder.hpp>
 #include <pkg/dem/FrictPhys.hpp>
 #include <pkg/dem/GlobalStiffnessTimeStepper.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>

@@ -37,7 +37,7 @@ static bool addLoadedBodies(const Engine& engine, std::vector<Body::id_t>& ids)
 	static const std::set<std::string> forces { "ForceEngine",
 		"InterpolatingDirectedForceEngine", "RadialForceEngine", "TorqueEngine", "DragEngine",
 		"LinearDragEngine" };
-	if (!dynamic_cast<const KinematicEngine*>(&engine) && !forces.count(engine.getClassName()))
+	if (!validation::isKinematic(engine) && !forces.count(engine.getClassName()))
 		return false;
 	const auto& more = static_cast<const PartialEngine&>(engine).ids;
 	ids.insert(ids.end(), more.begin(), more.end());
@@ -120,7 +120,7 @@ std::string ArraySteps::sceneReason(
 		if (solved || !addLoadedBodies(*engine, synced_))
 			return "the engine " + engine->getClassName();
 		(looped ? enginesAfter_ : enginesBefore_).push_back(engine.get());
-		movesAfter_ |= looped && dynamic_cast<const KinematicEngine*>(engine.get());
+		movesAfter_ |= looped && validation::isKinematic(*engine);
 	}
 	return {};
 }

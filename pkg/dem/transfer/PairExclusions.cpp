@@ -18,13 +18,18 @@ std::vector<Body::id_t> PairExclusions::restartIfChanged(Scene& scene, Collider&
 	edges_ = edges;
 	collider_ = collider.weak_from_this(), avoided_ = avoided;
 	bodies_.resize(scene.bodies->size());
+	hasReplaced_ = false;
 	std::vector<Body::id_t> changed;
 	for (const auto& b : *scene.bodies) {
 		if (!b) continue;
-		const Properties now { b.get(), b->groupMask, b->clumpId, b->isBounded() };
+		const Properties now { { b.get(), b->iterBorn }, b->groupMask, b->clumpId,
+			b->isBounded() };
 		Properties&      last = bodies_[b->getId()];
+		const Identity before = std::get<0>(last);
+		const bool     isSame = before == std::get<0>(now);
+		hasReplaced_ |= before.first && !isSame;
 		// the collider lists the pairs of a new body
-		if (all || (std::get<0>(last) == b.get() && now != last)) changed.push_back(b->getId());
+		if (all || (isSame && now != last)) changed.push_back(b->getId());
 		last = now;
 	}
 	if (changed.empty()) return changed;

@@ -20,10 +20,16 @@ public:
 	/// contacts of this step; its next run lists all pairs.
 	std::vector<Body::id_t> restartIfChanged(Scene&, Collider&);
 
-private:
-	// body, mask, clump, bounded
-	using Properties = std::tuple<const Body*, mask_t, Body::id_t, bool>;
+	/// Returns true if the last call has found a new body with the id of an erased one.
+	bool hasReplaced() const { return hasReplaced_; }
 
+private:
+	// A later body may have the address of an erased one.
+	using Identity = std::pair<const Body*, long>; // with the step of its insertion
+	// identity, mask, clump, bounded
+	using Properties = std::tuple<Identity, mask_t, Body::id_t, bool>;
+
+	bool                        hasReplaced_ = false;
 	boost::weak_ptr<Factorable> collider_; // a pointer may repeat the address of a deleted one
 	mask_t                      avoided_ = 0;
 	std::vector<Properties>     bodies_;

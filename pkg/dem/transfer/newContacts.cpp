@@ -50,7 +50,8 @@ void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const
 {
 	const std::vector<Body::id_t> changed
 	        = handles.pairExclusions.restartIfChanged(scene, *engines.collider);
-	const std::string error = changed.empty() ? std::string() : validation::sceneError(scene);
+	const std::string error = changed.empty() && !handles.pairExclusions.hasReplaced()
+	        ? std::string() : validation::sceneError(scene);
 	if (!error.empty()) validation::refuse(error);
 	for (Body::id_t id : changed)
 		handles.mayLackContacts[id] = true;
@@ -64,8 +65,10 @@ void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const
 		if (engine.get() == &solver) break;
 		afterLoop |= engine.get() == engines.loop;
 		if (!afterLoop || engine->dead) continue;
-		if (const auto* kinematic = dynamic_cast<const KinematicEngine*>(engine.get()))
-			std::for_each(kinematic->ids.begin(), kinematic->ids.end(), markUnlisted);
+		if (validation::isKinematic(*engine)) {
+			const auto& ids = static_cast<const PartialEngine&>(*engine).ids;
+			std::for_each(ids.begin(), ids.end(), markUnlisted);
+		}
 		const auto* script = dynamic_cast<const PeriodicEngine*>(engine.get());
 		if (script && script->nDone > 0 && script->iterLast == scene.iter)
 			for (std::size_t id = 0; id < handles.mayLackContacts.size(); ++id)

@@ -71,6 +71,8 @@ struct SceneQuery {
 std::string loadAfterSolver(const SceneQuery&);
 std::string loadWithoutEffect(const SceneQuery&);
 std::string readsTooEarly(const SceneQuery&);
+std::string recordersOfMembers(const SceneQuery&);
+std::string parallelEngines(const SceneQuery&);
 std::string attributeErrors(const SceneQuery&);
 std::string timeStep(const SceneQuery&);
 std::string finiteMotion(const SceneQuery&);

@@ -72,8 +72,10 @@ std::string materialError(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	for (Body::id_t id : { id1, id2 }) {
 		const Material* material = (*scene.bodies)[id]->material.get();
-		// a CohFrictMat is none: its cohesion and rolling resistance would have no effect
-		if (dynamic_cast<const FrictMat*>(material) && material->getClassName() != "CohFrictMat")
+		// FrictMats whose cohesion or rolling resistance would have no effect
+		static const std::set<std::string> cohesive { "CohFrictMat", "InelastCohFrictMat",
+			"MortarMat", "ViscElCapMat", "JCFpmMat", "CpmMat", "WireMat" };
+		if (dynamic_cast<const FrictMat*>(material) && !cohesive.count(material->getClassName()))
 			continue;
 		return bodyNames({ id }) + " has "
 		        + (material ? "the material " + material->getClassName()
@@ -117,8 +119,8 @@ std::string bodyError(const Body& b, const rcr::PlanarShape& shape, Real z)
 	const bool flat = b.isClump() || shape.grain() || shape.kind == rcr::PlanarShape::box;
 	if (flat && (math::abs(s.ori.x()) > tilted || math::abs(s.ori.y()) > tilted))
 		return name() + " is tilted out of the plane z = const; turn it about z only"
-		        + (b.isClump() ? ": make the clump by rcr.clump, which YADE's own appendClumped "
-		                         "turns to principal axes."
+		        + (b.isClump() ? ": make a clump of free grains by rcr.clump, and leave obstacles "
+		                         "single. YADE's appendClumped turns clumps to principal axes."
 		                       : ".");
 	if (shape.grain() && !(math::abs(s.pos.z() - z) <= sameHeight * (1 + math::abs(z))))
 		return name() + " lies at z = " + text(s.pos.z()) + ", other grains at z = " + text(z)
@@ -135,11 +137,10 @@ std::string bodyError(const Body& b, const rcr::PlanarShape& shape, Real z)
 	if (flat && (s.blockedDOFs & outOfPlane) != outOfPlane)
 		return name() + " is free to leave the plane (blockedDOFs = '" + s.blockedDOFs_vec_get()
 		        + "'); expected z, X and Y blocked. "
-		        + (shape.kind == rcr::PlanarShape::disc ? "Make a disc by rcr.disc."
-		                        : shape.kind == rcr::PlanarShape::box
+		        + (shape.kind == rcr::PlanarShape::box
 		                        ? "Make an obstacle by utils.box(…, fixed=True)."
-		                        : "Set b.state.blockedDOFs = 'zXY', as rcr.particle and rcr.clump "
-		                          "do.");
+		                        : "Set b.state.blockedDOFs = 'zXY', as rcr.disc, rcr.particle and "
+		                          "rcr.clump do.");
 	if (shape.grain() && (s.vel[2] != 0 || s.angVel[0] != 0 || s.angVel[1] != 0))
 		return name() + " has the velocity " + coordinates(s.vel) + " and the angular velocity "
 		        + coordinates(s.angVel)
@@ -169,6 +170,9 @@ std::string sphereEngineWarning(const Scene& scene)
 				        && b->isDynamic())
 					return name + " never deletes " + bodyNames({ b->getId() })
 					        + ", which is no Sphere; delete it by a PyRunner: O.bodies.erase(id).";
+		if (name == "SpheresFactory" || name == "BoxFactory" || name == "CircularFactory")
+			return name + " makes Spheres with the mass of balls, not of discs of unit depth; make "
+			       "discs by a PyRunner: O.bodies.append(rcr.disc(…)).";
 		if (name != "DragEngine" && name != "LinearDragEngine" && name != "HydroForceEngine")
 			continue;
 		for (const Body::id_t id : static_cast<const PartialEngine&>(*engine).ids)
@@ -187,9 +191,14 @@ std::string turningWarning(const Scene& scene)
 	const auto*      collider = view.first<InsertionSortCollider>();
 	if (view.law != springs || !collider || collider->verletDist == 0) return {};
 	std::set<Body::id_t> turned; // by an engine
-	for (const auto& engine : scene.engines)
-		if (const auto* by = dynamic_cast<const RotationEngine*>(engine.get()); by && !by->dead)
-			turned.insert(by->ids.begin(), by->ids.end());
+	for (const auto& engine : scene.engines) {
+		bool        turns = !engine->dead && dynamic_cast<const RotationEngine*>(engine.get());
+		const auto* all   = dynamic_cast<const CombinedKinematicEngine*>(engine.get());
+		if (all && !all->dead) turns = has<RotationEngine>(all->comb);
+		if (!turns) continue;
+		const auto& ids = static_cast<const PartialEngine&>(*engine).ids;
+		turned.insert(ids.begin(), ids.end());
+	}
 	for (const auto& b : *scene.bodies) {
 		if (!b || !b->shape || b->isClump()) continue;
 		const State&           s     = *b->state;

@@ -11,33 +11,34 @@ template <bool InsertionSortCollider::*member> struct Striding {
 };
 template struct Striding<&InsertionSortCollider::strideActive>;
 
+bool isKinematic(const Engine& engine)
+{
+	return dynamic_cast<const KinematicEngine*>(&engine)
+	        || dynamic_cast<const CombinedKinematicEngine*>(&engine);
+}
+
 /// Returns true if the engine sets positions or velocities.
 static bool moves(const Engine& engine)
 {
-	return dynamic_cast<const KinematicEngine*>(&engine)
-	        || dynamic_cast<const StepDisplacer*>(&engine);
+	return isKinematic(engine) || dynamic_cast<const StepDisplacer*>(&engine);
 }
 
 /// Returns true if the engine adds forces, which last until the ForceResetter.
 static bool pushes(const Engine& engine)
 {
-	// NewtonIntegrator derives from FieldApplier
-	if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false;
+	// NewtonIntegrator derives from FieldApplier, and a TimeAverager reads forces
+	if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)
+	        || engine.getClassName() == "TimeAverager")
+		return false;
 	return dynamic_cast<const PartialEngine*>(&engine) || dynamic_cast<const FieldApplier*>(&engine)
 	        || dynamic_cast<const WallStress*>(&engine);
-}
-
-/// Returns true if the engine adds forces or prescribes motion.
-static bool loads(const Engine& engine)
-{
-	return pushes(engine) || moves(engine) || dynamic_cast<const BoundaryController*>(&engine);
 }
 
 std::string loadAfterSolver(const SceneQuery& v)
 {
 	const int solver = v.indexOf<ContactDynamics>(), integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = solver + 1; solver >= 0 && k < integrator; ++k)
-		if (!v.engines[k]->dead && loads(*v.engines[k]))
+		if (!v.engines[k]->dead && (pushes(*v.engines[k]) || moves(*v.engines[k])))
 			return "the " + v.engines[k]->getClassName()
 			        + " stands after ContactDynamics, which would not see its load; put it before.";
 	return {};
@@ -59,8 +60,18 @@ std::string loadWithoutEffect(const SceneQuery& v)
 	return {};
 }
 
-/// Servos and recorders read forces that are complete after ContactDynamics. A servo is also a load
-/// (loadAfterSolver), so it must stand after the integrator.
+/// Names of an engine and of the engines that it combines.
+static std::vector<std::string> namesOf(const Engine& engine)
+{
+	std::vector<std::string> names { engine.getClassName() };
+	if (const auto* all = dynamic_cast<const CombinedKinematicEngine*>(&engine))
+		for (const auto& one : all->comb)
+			names.push_back(one->getClassName());
+	return names;
+}
+
+/// Controllers and recorders read forces that are complete after ContactDynamics. A controller also
+/// moves bodies, which ContactDynamics must know, so it must stand after the integrator.
 std::string readsTooEarly(const SceneQuery& v)
 {
 	const int solver = v.indexOf<ContactDynamics>(), integrator = v.indexOf<NewtonIntegrator>();
@@ -71,10 +82,41 @@ std::string readsTooEarly(const SceneQuery& v)
 			        + " forces without those of contacts; put it after the NewtonIntegrator.";
 		};
 		if (v.engines[k]->dead) continue;
-		if (name == "ServoPIDController") return error("the NewtonIntegrator", "read");
-		if (k < solver && (name == "ForceRecorder" || name == "TorqueRecorder"))
-			return error("ContactDynamics", "record");
+		const std::vector<std::string> names = namesOf(*v.engines[k]);
+		if (dynamic_cast<const BoundaryController*>(v.engines[k].get())
+		        || std::count(names.begin(), names.end(), "ServoPIDController"))
+			return error("the NewtonIntegrator", "read");
+		static const std::set<std::string> recorders { "ForceRecorder", "TorqueRecorder",
+			"TimeAverager", "VTKRecorder" };
+		if (k < solver && recorders.count(name)) return error("ContactDynamics", "record");
 	}
+	return {};
+}
+
+/// Contact forces act on the clumps of members.
+std::string recordersOfMembers(const SceneQuery& v)
+{
+	for (const auto& engine : v.engines) {
+		const auto* force  = dynamic_cast<const ForceRecorder*>(engine.get());
+		const auto* torque = dynamic_cast<const TorqueRecorder*>(engine.get());
+		if (engine->dead || !(force || torque)) continue;
+		for (Body::id_t id : force ? force->ids : torque->ids)
+			if (id >= 0 && std::size_t(id) < v.scene.bodies->size() && (*v.scene.bodies)[id]
+			        && (*v.scene.bodies)[id]->isClumpMember())
+				return "the " + engine->getClassName() + " records " + bodyNames({ id })
+				        + ", a clump member without forces of its own: contact forces act on its "
+				          "clump. Record "
+				        + bodyNames({ (*v.scene.bodies)[id]->clumpId }) + '.';
+	}
+	return {};
+}
+
+std::string parallelEngines(const SceneQuery& v)
+{
+	for (const auto& engine : v.engines)
+		if (!engine->dead && engine->getClassName() == "ParallelEngine")
+			return "O.engines holds a ParallelEngine, whose engines cannot be checked; put them into "
+			       "O.engines one by one.";
 	return {};
 }
 

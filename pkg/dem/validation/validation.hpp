@@ -121,6 +121,7 @@ std::string materialError(const Scene&, Body::id_t id1, Body::id_t id2);
 bool acceptContact(const Interaction&, const Scene&);
 
 bool isGrain(const Body&);  // an Rcr or a disc
+bool isKinematic(const Engine&); // it prescribes velocities of its `ids`
 Real planeOf(const Scene&); // height z of the grains; NaN without grains
 
 /// Message about an invalid position, velocity, mass or blocked degree of freedom of a body; empty:

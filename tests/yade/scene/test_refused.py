@@ -176,6 +176,15 @@ RIGID = [  # under the rigid law
     (lambda: insert(3, w.ForceRecorder(ids=[0], file="/dev/null")),
      "the ForceRecorder stands before ContactDynamics, so it would record forces without those of"),
     (lambda: insert(3, w.TorqueRecorder(ids=[0], file="/dev/null")), "the TorqueRecorder stands"),
+    (lambda: insert(3, w.TimeAverager(ids=[1])), "the TimeAverager stands before ContactDynamics"),
+    (lambda: insert(3, w.UniaxialStrainer(posIds=[1], negIds=[0])),
+     "the UniaxialStrainer stands before the NewtonIntegrator, so it would read forces"),
+    (lambda: insert(3, w.CombinedKinematicEngine(ids=[0], comb=[
+        w.ServoPIDController(axis=(0, 1, 0), maxVelocity=0.1, ids=[0], target=1)])),
+     "the CombinedKinematicEngine stands before the NewtonIntegrator, so it would read forces"),
+    (lambda: insert(9, w.ForceRecorder(ids=rcr.clump([grain((1, 2)), grain((1.05, 2))])[1],
+                                       file="/dev/null")),
+     "records body #2, a clump member .* Record body #4"),
     (lambda: insert(0, w.GlobalStiffnessTimeStepper()),
      "the GlobalStiffnessTimeStepper would set O.dt from stiffnesses"),
     (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)), r"pulls out of the plane of the "
@@ -314,7 +323,9 @@ def test_obstacle_that_becomes_faulty_in_a_run(obstacle, state, match):
 @pytest.mark.parametrize("engine", [
     lambda: w.TranslationEngine(ids=[0], translationAxis=(1, 0, 0), velocity=2e-3 / O.dt),
     lambda: w.StepDisplacer(ids=[0], mov=(1e-3, 0, 0)),
-], ids=["motion", "displacer"])
+    lambda: w.CombinedKinematicEngine(ids=[0], comb=[
+        w.TranslationEngine(translationAxis=(1, 0, 0), velocity=1e-3 / O.dt)] * 2),
+], ids=["motion", "displacer", "combined"])
 def test_engines_without_forces_may_follow_the_integrator(law, engine):
     resting(law)
     insert(9, engine())
@@ -481,11 +492,11 @@ def test_an_exception_leaves_no_trace(fault):
     ("rigid", 0.0999, O.step), ("smooth", 0.0999, O.step),
     ("rigid", 0.15, lambda: O.run(400, True)),
 ], ids=["rigid", "smooth", "a contact that forms in arrays"])
-def test_cohesive_materials_are_refused(law, height, run):
-    cohesive = w.CohFrictMat(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4,
-                             normalCohesion=1e6, isCohesive=True)
+@pytest.mark.parametrize("name", ["CohFrictMat", "InelastCohFrictMat", "MortarMat"])
+def test_cohesive_materials_are_refused(law, height, run, name):
+    cohesive = getattr(w, name)(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4)
     build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, height), 0.1, cohesive), law=law)
-    refused("has the material CohFrictMat .* give it a FrictMat", run,
+    refused(f"has the material {name} .* give it a FrictMat", run,
             error=ValueError if run == O.step else RuntimeError)
 
 
@@ -627,3 +638,39 @@ def test_springs_allow_a_box_that_turns():
     set_state(1, blockedDOFs="zXY")
     O.run(5, True)
     assert rcr.critical_time_step() > 0
+
+
+@LAWS
+def test_engines_in_a_parallel_engine_are_refused(law):
+    resting(law)
+    insert(3, w.ParallelEngine([w.ForceEngine(force=(0, -500, 0), ids=[1])]))
+    assert_refused("holds a ParallelEngine, whose engines cannot be checked")
+
+
+def test_a_time_averager_reads_the_weight_of_a_grain_at_rest():
+    resting()
+    averager = w.TimeAverager(ids=[1])
+    O.run(50, True)
+    insert(9, averager)
+    averager.initialization()
+    O.run(50, True)
+    assert averager.getForce(1)[1] == pytest.approx(9.81 * O.bodies[1].state.mass)
+
+
+def replace_the_disc():
+    O.bodies.erase(1)
+    O.bodies.insertAtId(grain((0, 0.3), material=O.bodies[0].material), 1)
+
+
+@pytest.mark.parametrize("arrays", [False, True])
+def test_a_body_that_replaces_another_is_checked(arrays):
+    """A PyRunner puts a rod in the place of a disc; the collider has no Bo1 functor for rods."""
+    m = material()
+    build(rcr.wall("y", 0, 1, material=m), rcr.disc((0, 0.1), 0.1, m), rcr.disc((1, 0.1), 0.1, m))
+    solver().tuning = {"arrays": arrays}
+    bounds = O.engines[1].boundDispatcher
+    bounds.functors = [f for f in bounds.functors if not isinstance(f, rcr.Bo1_Rcr_Aabb)]
+    insert(9, calls(replace_the_disc, 20, firstIterRun=20, nDo=1))
+    refused("no Bo1_Rcr_Aabb, so body #1 would meet nothing", O.run, 500, True,
+            error=RuntimeError)
+    assert O.bodies[1].state.pos[1] > 0.29

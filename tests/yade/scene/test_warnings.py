@@ -159,6 +159,13 @@ def test_a_drag_that_omits_a_grain_warns(engine):
         assert told == [f"rcr: {engine.__name__} exerts no force on {end}" for end in says]
 
 
+def test_a_factory_of_balls_warns():
+    resting()
+    insert(0, w.BoxFactory(materialId=0, maxParticles=1))
+    assert advised() == ["rcr: BoxFactory makes Spheres with the mass of balls, not of discs of "
+                         "unit depth; make discs by a PyRunner: O.bodies.append(rcr.disc(…))."]
+
+
 def test_a_domain_limiter_that_keeps_rods_warns():
     resting()
     O.engines = [*O.engines, DomainLimiter(lo=(-9, -9, -9), hi=(9, 9, 9))]
@@ -301,15 +308,19 @@ def test_a_step_without_a_finite_solution_moves_nothing_and_saves_its_problem(
 
 
 @pytest.mark.parametrize("verlet, drive, warned", [
-    (0.01, "velocity", 1), (0.01, "engine", 1), (0, "velocity", 0), (0.01, "none", 0)])
+    (0.01, "velocity", 1), (0.01, "engine", 1), (0.01, "combined", 1), (0, "velocity", 0),
+    (0.01, "none", 0)])
 def test_an_obstacle_that_turns_unseen_by_the_collider_warns_under_springs(verlet, drive, warned):
     weightless(rcr.segment((-0.2, 0), (0.2, 0), material=springy()),
                rcr.disc((0.15, 0.5), 0.01, springy()), law="smooth", dt=2e-5)
     O.engines[1].verletDist = verlet
     if drive == "velocity":
         set_state(0, angVel=(0, 0, 2))
+    turning = w.RotationEngine(ids=[0], rotationAxis=(0, 0, 1), angularVelocity=2)
     if drive == "engine":
-        insert(0, w.RotationEngine(ids=[0], rotationAxis=(0, 0, 1), angularVelocity=2))
+        insert(0, turning)
+    if drive == "combined":
+        insert(0, w.CombinedKinematicEngine(ids=[0], comb=[turning]))
     told = advised(lambda: O.run(2, True))
     turns = [text for text in told if "turns about its own centre" in text]
     assert len(turns) == warned, turns
