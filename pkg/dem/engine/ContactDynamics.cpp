@@ -1,3 +1,4 @@
+// The stages of a step; ContactDynamics.hpp lists them, pkg/README.md explains their terms.
 #include "dem/engine/ContactDynamics.hpp"
 
 #include "dem/engine/CellStress.hpp"
@@ -71,7 +72,8 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 			        arraySteps_->count(),
 			        arrays ? arraySteps_->enginesReason() : "ContactDynamics.arrays = False" });
 		} while (advanced);
-		// YADE's objects get the state at the beginning of the last step; scatter adds its forces
+		// YADE's objects get the state at the beginning of the last step; scatter adds the contact
+		// forces of that step
 		timed("writeBack", [&] { arraySteps_->writeBack(*scene, team, handles_, step_); });
 		timed("scatter", [&] {
 			const UnbalancedForce unbalanced = unbalancedForceOf(step_);
@@ -92,8 +94,10 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
-/// a late contact closes, or if a bias must change. The last pass is not reviewed: if it leaves out
-/// a late contact, the step has not converged. Settings of each pass derive from `base`.
+/// bodies meet whose contact was not part of the solve (a late contact). It also follows if a bias
+/// is wrong: after a large displacement, or if restitution adds energy. The last pass is not
+/// reviewed: if it leaves out a late contact, the step has not converged. Settings of each pass
+/// derive from `base`.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations          = 0;
@@ -180,7 +184,8 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
 	}
 	if (overdamped) return PassOutcome::consistent;
 	return timed("biasUpdate", [&] {
-		const bool mayRelease = pass <= mostPasses / 2; // else passes could release and load in turn
+		// else passes could release and load a contact in turn
+		const bool mayRelease = pass <= mostPasses / 2;
 		bool changed = rcr::adaptBiases(step_, mayRelease, nextIsLast, double(tolerance),
 		        largeDisplacements_, workspace_.team());
 		if (yielded) changed |= rcr::lowerRestitutionOfYielded(step_, nextIsLast);

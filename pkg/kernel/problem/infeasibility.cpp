@@ -120,4 +120,21 @@ bool isDivergent(const ContactProblem& problem, const std::vector<LocalVector>& 
 	        && velocityChangeBound(problem, d) > maxChange;
 }
 
+bool closesBlocked(
+        const ContactProblem& problem, const ContactPoint& c, double roundingVelocity)
+{
+	const auto translates = [&](int body) {
+		return problem.inverseMass[body].x > 0 && problem.inverseMass[body].y > 0;
+	};
+	return !translates(c.body1) && !translates(c.body2) && delassus(problem, c).nn <= 0
+	        && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
+	        && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;
+}
+
+bool closesBlocked(const ContactProblem& problem, double roundingVelocity)
+{
+	return std::any_of(problem.points.begin(), problem.points.end(),
+	        [&](const ContactPoint& c) { return closesBlocked(problem, c, roundingVelocity); });
+}
+
 } // namespace rcr

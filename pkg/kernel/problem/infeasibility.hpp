@@ -44,6 +44,12 @@ bool exceedsEnergyBound(const ContactProblem&);
 /// The same test for an energy and the velocity scale V_s of its bodies.
 bool exceedsEnergyBound(double energy, double velocityScale);
 
+/// Returns true if a prescribed motion closes a contact and also blocks its normal direction.
+/// No impulse can open such a contact.
+bool closesBlocked(const ContactProblem&, const ContactPoint&, double roundingVelocity);
+/// The same of any contact.
+bool closesBlocked(const ContactProblem&, double roundingVelocity);
+
 constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
 constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise
 

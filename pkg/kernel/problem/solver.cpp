@@ -20,6 +20,7 @@ constexpr int    sweepsFromZero = 100; // for impulses of positive cost; a few r
 // factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift
 constexpr double smallProblemFloorFactor = 1e-3;
 constexpr int    maxFineWork = 15000; // most exact iterations × points for this finer floor
+constexpr double mostRebounds = 3; // impulse of a rigid contact beyond yieldImpulse, over |b_n|/w_nn
 
 static bool frictionless(const ContactProblem& problem)
 {
@@ -35,30 +36,13 @@ static int patience(std::size_t points)
 	return std::max(leastPatience, int(exactIterations * sweepsPerExact * size));
 }
 
-/// Returns true if a prescribed motion closes a contact and also blocks its normal direction.
-/// No impulse can open such a contact.
-static bool closesBlocked(
-        const ContactProblem& problem, const ContactPoint& c, double roundingVelocity)
-{
-	const auto translates = [&](int body) {
-		return problem.inverseMass[body].x > 0 && problem.inverseMass[body].y > 0;
-	};
-	return !translates(c.body1) && !translates(c.body2) && delassus(problem, c).nn <= 0
-	        && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
-	        && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;
-}
-
-static bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
-{
-	return std::any_of(problem.points.begin(), problem.points.end(),
-	        [&](const ContactPoint& c) { return closesBlocked(problem, c, roundingVelocity); });
-}
-
 /// Returns true if a point must yield, whether its island has converged or not.
 static bool mustYieldAt(const ContactProblem& problem, std::size_t k, const Settings& settings)
 {
-	return problem.impulse[k].n > settings.yielding.yieldImpulse
-	        || closesBlocked(problem, problem.points[k], settings.roundingVelocity);
+	const ContactPoint& c      = problem.points[k];
+	const double        excess = problem.impulse[k].n - settings.yielding.yieldImpulse;
+	return (excess > 0 && excess * delassus(problem, c).nn > mostRebounds * std::max(0.0, -c.bias))
+	        || closesBlocked(problem, c, settings.roundingVelocity);
 }
 
 /// Largest |u_free| of a point [m/s].
@@ -275,7 +259,7 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	if (rigid.converged && !settings.mayYield() && !settings.solutionExists
 	        // the residual omits blocked contacts, and growing impulses lower it
 	        && (exceedsChangeBound(problem)
-	                || closesBlockedContact(problem,
+	                || closesBlocked(problem,
 	                        std::max(settings.roundingVelocity, roundingShare * freeSpeed(problem)))))
 		rigid.converged = false;
 	if (rigid.converged) {

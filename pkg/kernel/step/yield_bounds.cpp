@@ -83,15 +83,11 @@ YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 		load += mass * speed({ v.x - before.x, v.y - before.y, v.rotation - before.rotation });
 	}
 	if (bodies == 0) return bounds;
-	double restitution = 0;
-	for (const StepContact& contact : step.contacts)
-		if (contact.count > 0) restitution = std::max(restitution, double(contact.restitution));
 	const double rows = bodies / std::max(std::sqrt(bodies), double(chain));
 	bounds.yielding = {
 		std::max(stiffest, bounds.driveSpeed * (total / bodies) * rows / (momentum + loads * load)),
 		response * bodies / total,
-		mostMomenta * (1 + restitution) * std::max(momentum / rows, largestMomentum)
-		        + mostLoads * load / rows
+		mostMomenta * std::max(momentum / rows, largestMomentum) + mostLoads * load / rows
 	};
 	return bounds;
 }

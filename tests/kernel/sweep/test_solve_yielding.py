@@ -125,10 +125,14 @@ def test_bits_do_not_depend_on_lanes_and_threads():
     assert_lanes_and_threads_change_no_bit(wedge(), "auto", yield_compliance=COMPLIANCE)
 
 
-def pushed_row():
-    """A wall pushes two bodies in a row at V = 1 m/s: p = 2 m V at the wall."""
+def pushed_row(turning=1.0):
+    """A wall pushes two bodies in a row at V = 1 m/s: p = 2 m V at the wall.
+
+    The last body also turns at a prescribed rate, without effect on its frictionless contact.
+    """
     problem = vice(1.0, 0.0)
-    problem["inverse_mass"][2] = FREE
+    problem["inverse_mass"][2] = [*FREE[:2], 0]
+    problem["free_velocity"][2, 2] = turning
     return problem
 
 
@@ -146,11 +150,15 @@ def test_contacts_yield_beyond_the_most_impulse(most, recovery, recovered):
     np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-6)
 
 
-@pytest.mark.parametrize("settings", [dict(yield_compliance=0.1, yield_impulse=4.1),
-                                      dict(yield_compliance=0, yield_impulse=1.0)],
-                         ids=["less", "never"])
-def test_smaller_impulses_keep_their_bits(settings):
-    found, rigid = pushed_row().solve("auto", **settings), pushed_row().solve("auto")
+@pytest.mark.parametrize("turning, settings", [
+    (1, dict(yield_compliance=0.1, yield_impulse=4.1)),
+    (1, dict(yield_compliance=0, yield_impulse=1.0)),
+    (0, dict(yield_compliance=0.1, yield_impulse=1.0)),
+], ids=["less", "never", "one translation"])
+def test_other_contacts_keep_their_bits(turning, settings):
+    """Contacts do not yield where one translation of all bodies needs no impulses."""
+    row = pushed_row(turning)
+    found, rigid = row.solve("auto", **settings), row.solve("auto")
     assert rigid["converged"] and not found["yielded"]
     np.testing.assert_array_equal(found["impulse"], rigid["impulse"])
     np.testing.assert_allclose(found["impulse"][:, 0], [4.0, 2.0], rtol=1e-4)

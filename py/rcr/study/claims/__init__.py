@@ -7,7 +7,7 @@ data they need are not tested.
 
 import typing
 
-from rcr.study.claims import criteria  # noqa: F401  registers
+from rcr.study.claims import forces, networks  # noqa: F401: they register criteria
 from rcr.study.claims.comparisons import CLAIMS, NotTested
 
 AGREES, DIFFERS, NOT_TESTED = "agrees", "does not agree", "not tested"

@@ -29,6 +29,8 @@ def claim(observables, statement, criterion, etas=None, least=1):
 
     def register(test):
         def verdict(values):
+            if missing := [key for key in keys if key not in values]:
+                raise NotTested(f"no values of {missing[0]}")
             parts = [_chosen(values[key], etas, least) for key in keys]
             agrees, value, *error = test(*parts)
             if np.ndim(agrees):
