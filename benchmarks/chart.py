@@ -7,8 +7,8 @@ c  biaxial test: errors of its observables against time for 20 % of strain
 d  hard scenes: hold, drift or blow up, over dt and law
 e  biaxial test: changes of the observables by rate, time step and solver; takes hours, not in the
    default
-f  a column that collapses: time, sweeps and memory over the number of grains, up to 10^6; takes an
-   hour and 10 GB of memory, not in the default
+f  a column that collapses: time, sweeps and memory over the number of grains, up to 10^6; takes
+   hours and 10 GB of memory, not in the default
 
 A CSV has one row a point, with the command that repeats it. Points that it has for the same
 settings are not run again, so an interrupted call resumes. A larger --limit repeats points that ran
