@@ -26,14 +26,15 @@ def error(p, u, friction, w):
 
 
 def residual(matrix, q, friction, p):
-    """Relative residual ‖error‖/‖p‖ with u = W p + q [-]; the numerator alone for p = 0.
+    """Relative residual ‖error‖/‖p‖ with u = W p + q [-]; 1 for p = 0 with errors.
 
     `matrix` is W (2 nc, 2 nc), sparse or dense, in the order n₀, t₀, n₁, t₁ …; q includes b_n; q
     and the impulses p are (nc, 2).
     """
     w = matrix.diagonal()[::2]
     miss = error(p, (matrix @ p.ravel()).reshape(-1, 2) + q, friction, w)
-    return float(np.linalg.norm(miss) / (np.linalg.norm(p[w > 0]) or 1))
+    size = np.linalg.norm(p[w > 0])
+    return float(np.linalg.norm(miss) / size) if size else float(miss.any())
 
 
 def matrix(problem):

@@ -53,6 +53,7 @@ namespace {
 		settings.threads    = threads;
 		settings.lanes      = lanes;
 		settings.yielding   = { yieldCompliance, 0, yieldImpulse };
+		settings.undriven   = { yieldCompliance };
 		settings.reductions = Reductions::of(reductions);
 		Workspace    own;
 		py::dict     results;

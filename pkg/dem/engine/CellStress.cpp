@@ -1,5 +1,6 @@
 #include "dem/engine/CellStress.hpp"
 
+#include "dem/shapes/planeConversion.hpp"
 #include "dem/validation/validation.hpp"
 
 namespace yade {
@@ -38,7 +39,7 @@ static void moveToImage(Body& b, Scene& scene, const Vector3i& cells)
 	const Cell&    cell = *scene.cell;
 	const Vector3r by   = cell.intrShiftPos(cells);
 	b.state->pos += by, b.state->refPos += by;
-	b.state->vel += cell.velGrad * by;
+	b.state->vel += plane::nextGradient(cell) * by;
 	for (const auto& [id, contact] : b.intrs) {
 		const bool isFirst = contact->getId1() == b.getId();
 		contact->cellDist += isFirst ? cells : Vector3i(-cells);
@@ -93,13 +94,15 @@ void CellStress::gatherCell(rcr::Step& step) const
 	load(1, size.y, step.problem.inverseStretchMass.y, cell.loadRate.y);
 }
 
-void wrapBodies(Scene& scene)
+void wrapBodies(Scene& scene, const NewtonIntegrator& integrator)
 {
 	const Matrix3r toCells = scene.cell->hSize.inverse();
 	for (const auto& b : *scene.bodies) {
-		if (!b || b->isClumpMember() || (b->state->blockedDOFs & State::DOF_XYZ) != State::DOF_Z)
+		if (!b || b->isClumpMember() || (b->state->blockedDOFs & State::DOF_XYZ) != State::DOF_Z
+		        || (integrator.mask > 0 && !b->maskCompatible(integrator.mask)))
 			continue;
 		const Vector3r at = toCells * b->state->pos;
+		if (!(at.head<2>().norm() < 1e9)) continue; // no int holds the cells
 		const Vector3i cells(-int(math::floor(at[0])), -int(math::floor(at[1])), 0);
 		if (cells != Vector3i::Zero()) moveToImage(*b, scene, cells);
 	}

@@ -47,7 +47,7 @@ REGISTER_SERIALIZABLE(CellStress);
 
 /// Moves each free body outside the cell to its image inside, with its contacts; State::displ()
 /// does not jump. A body n cells away would oppose a stretch with n² times the inertia.
-void wrapBodies(Scene&);
+void wrapBodies(Scene&, const NewtonIntegrator&);
 
 /// Sets O.cell.homoDeform to 0, since NewtonIntegrator must not add the mean flow of the cell; or
 /// restores the earlier value, which O.tags keeps, also for another engine and in saved scenes.

@@ -52,7 +52,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();
 	setStartFlow(); // gather replaces it in a periodic cell
 	timed("gather", [&] {
-		if (engines.cellStress) wrapBodies(*scene);
+		if (engines.cellStress) wrapBodies(*scene, *engines.integrator);
 		gather(*scene, engines, team, handles_, step_);
 		addUnlistedContacts(*scene, engines, *this, handles_, step_);
 	});

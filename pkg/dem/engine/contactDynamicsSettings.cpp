@@ -61,7 +61,9 @@ rcr::Settings ContactDynamics::settings(const rcr::YieldBounds& bounds) const
 	s.threads            = solverThreads();
 	s.lanes              = lanes;
 	s.yielding           = bounds.yielding;
+	s.undriven           = rcr::YieldBounds().yielding;
 	s.yielding.compliance *= double(yieldCompliance);
+	s.undriven.compliance *= double(yieldCompliance);
 	s.yielding.yieldImpulse /= double(yieldCompliance); // infinite for 0
 	return s;
 }

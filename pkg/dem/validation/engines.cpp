@@ -31,7 +31,8 @@ static bool pushes(const Engine& engine)
 	        || engine.getClassName() == "TimeAverager")
 		return false;
 	return dynamic_cast<const PartialEngine*>(&engine) || dynamic_cast<const FieldApplier*>(&engine)
-	        || dynamic_cast<const WallStress*>(&engine);
+	        || dynamic_cast<const WallStress*>(&engine)
+	        || engine.getClassName() == "VESupportEngine"; // a BoundaryController in YADE
 }
 
 std::string loadAfterSolver(const SceneQuery& v)
@@ -66,7 +67,7 @@ static std::vector<std::string> namesOf(const Engine& engine)
 	std::vector<std::string> names { engine.getClassName() };
 	if (const auto* all = dynamic_cast<const CombinedKinematicEngine*>(&engine))
 		for (const auto& one : all->comb)
-			names.push_back(one->getClassName());
+			if (!one->dead) names.push_back(one->getClassName());
 	return names;
 }
 
@@ -83,7 +84,8 @@ std::string readsTooEarly(const SceneQuery& v)
 		};
 		if (v.engines[k]->dead) continue;
 		const std::vector<std::string> names = namesOf(*v.engines[k]);
-		if (dynamic_cast<const BoundaryController*>(v.engines[k].get())
+		if ((dynamic_cast<const BoundaryController*>(v.engines[k].get())
+		            && !pushes(*v.engines[k]))
 		        || std::count(names.begin(), names.end(), "ServoPIDController"))
 			return error("the NewtonIntegrator", "read");
 		static const std::set<std::string> recorders { "ForceRecorder", "TorqueRecorder",
@@ -100,9 +102,11 @@ std::string recordersOfMembers(const SceneQuery& v)
 		const auto* force  = dynamic_cast<const ForceRecorder*>(engine.get());
 		const auto* torque = dynamic_cast<const TorqueRecorder*>(engine.get());
 		if (engine->dead || !(force || torque)) continue;
-		for (Body::id_t id : force ? force->ids : torque->ids)
+		const std::vector<int>& ids = force ? force->ids : torque->ids;
+		for (Body::id_t id : ids)
 			if (id >= 0 && std::size_t(id) < v.scene.bodies->size() && (*v.scene.bodies)[id]
-			        && (*v.scene.bodies)[id]->isClumpMember())
+			        && (*v.scene.bodies)[id]->isClumpMember()
+			        && !std::count(ids.begin(), ids.end(), (*v.scene.bodies)[id]->clumpId))
 				return "the " + engine->getClassName() + " records " + bodyNames({ id })
 				        + ", a clump member without forces of its own: contact forces act on its "
 				          "clump. Record "

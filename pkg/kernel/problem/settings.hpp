@@ -40,6 +40,10 @@ struct Settings {
 	/// (step/yield_bounds.hpp). Compliance 0: contacts never yield.
 	Yielding yielding;
 
+	/// The same of islands without a drive of their own. The bounds of a drive elsewhere must not
+	/// change their solution.
+	Yielding undriven;
+
 	/// A solution is known to exist. No contact yields, and no test looks for the lack of one.
 	bool solutionExists = false;
 

@@ -233,12 +233,10 @@ static Report solveFromZero(ContactProblem& problem, const Settings& settings, W
 	return solveNlgs(problem, sweeps, workspace);
 }
 
-/// Settings of an island. The bounds of yielding contacts are those of the whole scene; an island
-/// without a drive of its own needs none.
 static Settings settingsOf(const ContactProblem& island, Settings settings)
 {
 	if (!settings.mayYield() || island.stretches() || isDriven(island)) return settings;
-	settings.yielding.yieldImpulse = std::numeric_limits<double>::infinity();
+	settings.yielding       = settings.undriven;
 	settings.solutionExists = std::all_of(island.points.begin(), island.points.end(),
 	        [](const ContactPoint& c) { return c.bias >= 0; });
 	return settings;
@@ -246,9 +244,14 @@ static Settings settingsOf(const ContactProblem& island, Settings settings)
 
 /// Completes the solution of an island, or of a problem with one island, after its sweeps.
 static Report complete(ContactProblem& problem, const std::string& solver, const Settings& given,
-        const Report& swept, Workspace& workspace)
+        Report swept, Workspace& workspace)
 {
 	const Settings settings = settingsOf(problem, given);
+	if (given.mayYield() && !settings.mayYield() && hasYielded(problem) && !swept.converged) {
+		problem.yielded.assign(problem.yielded.size(), false); // the sweeps were few (mayYield)
+		swept = sweepTogether(problem, solver, remaining(settings, swept), workspace)
+		                .plusCostOf(swept);
+	}
 	Report rigid = solveRigid(problem, solver, settings, swept, workspace);
 	if (mustYield(rigid, problem, settings, workspace)) {
 		for (std::size_t body = 0; body < problem.yielded.size(); ++body)

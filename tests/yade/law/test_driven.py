@@ -267,23 +267,37 @@ def test_a_large_friction_is_no_jam():
     assert solver().missedSteps == solver().yieldedSteps == 0
 
 
-@pytest.mark.parametrize("drive", ["far", "boost"])
+def fall_between_pegs(angle, friction, creep=0, boost=0, tolerance=1e-8):
+    """Rebound speed of a disc that falls between two fixed ones; e = 0.5, contacts at this angle.
+
+    A wall far away creeps, or the whole scene moves at the speed `boost`.
+    """
+    rough, R = material(friction), 0.1
+    x, y = 2 * R * np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+    pegs = [rcr.disc((side * x, 0), R, material=rough, fixed=True, velocity=(boost, 0))
+            for side in (-1, 1)]
+    falling = rcr.disc((0, y + 0.0503), R, material=rough, velocity=(boost, -2))
+    far = [rcr.wall("x", 50, -1, velocity=-creep, material=rough),
+           rcr.disc((50 - R, 0), R, material=rough)]
+    weightless(*pegs, falling, *far[: 2 * (creep > 0)], dt=1e-4, restitution=0.5,
+               tolerance=tolerance)
+    O.run(400, True)
+    return O.bodies[2].state.vel[1]
+
+
+@pytest.mark.parametrize("drive", [dict(creep=1e-3), dict(boost=1e-3)], ids=["far", "boost"])
 @pytest.mark.parametrize("angle", [10, 12])
 def test_an_impact_that_nothing_drives_keeps_its_restitution(angle, drive):
-    """A disc falls between two fixed ones; elsewhere a wall creeps, or the whole scene does."""
-    creep, smooth, R = 1e-3, material(0), 0.1
-    x, y = 2 * R * np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
-    shared = dict(velocity=(creep, 0)) if drive == "boost" else {}
-    pegs = [rcr.disc((side * x, 0), R, material=smooth, fixed=True, **shared) for side in (-1, 1)]
-    falling = rcr.disc((0, y + 0.0503), R, material=smooth,
-                       velocity=(creep if shared else 0, -2))
-    far = [rcr.wall("x", 50, -1, velocity=-creep, material=smooth),
-           rcr.disc((50 - R, 0), R, material=smooth)]
-    weightless(*pegs, falling, *(far if drive == "far" else []), dt=1e-4, restitution=0.5,
-               tolerance=1e-8)
-    O.run(400, True)
-    assert O.bodies[2].state.vel[1] == pytest.approx(1, rel=1e-5)
+    assert fall_between_pegs(angle, 0, **drive) == pytest.approx(1, rel=1e-5)
     assert solver().missedSteps == solver().yieldedSteps == 0
+
+
+@pytest.mark.parametrize("angle", [10, 40])
+def test_a_distant_drive_does_not_change_an_impact_with_friction(angle):
+    alone = fall_between_pegs(angle, 1, tolerance=1e-4)
+    missed = solver().missedSteps
+    assert fall_between_pegs(angle, 1, creep=1e-6, tolerance=1e-4) == alone
+    assert solver().missedSteps == missed
 
 
 @pytest.mark.parametrize("e", [0.5, 1])

@@ -675,3 +675,46 @@ def test_a_deforming_cell_far_from_the_origin_misses_no_steps():
         O.cell.velGrad = plane(-0.5, 0.5, 0.1, -0.5)
         steps(30)
         assert solver().missedSteps == 0
+
+
+def test_an_image_has_the_velocity_of_its_place_before_the_first_step():
+    """A script sets velocities v_x = γ y of a sheared cell; body 0 lies in the cell above."""
+    m = material(0)
+    pressed(*(rcr.disc(at, 0.1, material=m) for at in ((0.3, 1.5), (0.6, 0.25))), size=1.0,
+            stress=(math.nan, math.nan))
+    O.cell.velGrad = plane(0, 1, 0, 0)
+    for b in O.bodies:
+        b.state.vel = (b.state.pos[1], 0, 0)
+    O.step()
+    state = O.bodies[0].state
+    assert (state.pos[1], state.vel[0]) == pytest.approx((0.5, 0.5))
+
+
+def test_clumps_and_contacts_move_to_their_images_in_shear():
+    rng, pitch, n, m = np.random.default_rng(3), 0.2, 5, material(0.4)
+    build(cell=n * pitch, gravity=(0, 0, 0), dt=5e-3, tolerance=1e-6, solver="auto")
+    for k in range(n * n):
+        x, y, angle = pitch * (k // n + 0.5), pitch * (k % n + 0.5), rng.uniform(0, 3)
+        way = 0.035 * np.array([math.cos(angle), math.sin(angle)])
+        if k % 2:
+            rcr.clump([rcr.disc((x + s * way[0], y + s * way[1]), 0.06, m) for s in (-1, 1)])
+        else:
+            O.bodies.append(rcr.particle((x, y), rng.uniform(0.08, 0.095), 0.3, angle, m))
+    insert(3, rcr.CellStress(stress=(500, 500)))
+    O.cell.velGrad = plane(0, 0.8, 0, 0)
+    free = [b for b in O.bodies if not b.isClumpMember]
+    wraps, last = 0, [b.state.pos for b in free]
+    for _ in range(600):
+        O.step()
+        if O.cell.hSize[0, 1] > 0.7 * O.cell.hSize[0, 0]:
+            O.cell.flipCell()
+        wraps += sum((b.state.pos - at).norm() > 0.4 for b, at in zip(free, last))
+        last = [b.state.pos for b in free]
+        for b in free:
+            for member in b.shape.members if b.isClump else ():
+                assert (O.bodies[member].state.pos - b.state.pos).norm() == pytest.approx(0.035)
+        for contact in O.interactions:
+            place = O.bodies[contact.id1].state.pos
+            assert math.dist(contact.geom.position1, tuple(place)[:2]) < 0.15
+    assert wraps > 20 and solver().deepestOverlap < 1e-3 and solver().missedSteps < 20
+    assert rcr.contact_network().between_particles.any()

@@ -182,9 +182,13 @@ RIGID = [  # under the rigid law
     (lambda: insert(3, w.CombinedKinematicEngine(ids=[0], comb=[
         w.ServoPIDController(axis=(0, 1, 0), maxVelocity=0.1, ids=[0], target=1)])),
      "the CombinedKinematicEngine stands before the NewtonIntegrator, so it would read forces"),
-    (lambda: insert(9, w.ForceRecorder(ids=rcr.clump([grain((1, 2)), grain((1.05, 2))])[1],
-                                       file="/dev/null")),
-     "records body #2, a clump member .* Record body #4"),
+    *((lambda recorder=recorder: insert(9, recorder(
+        ids=rcr.clump([grain((1, 2)), grain((1.05, 2))])[1], file="/dev/null")),
+       "records body #2, a clump member .* Record body #4")
+      for recorder in (w.ForceRecorder, w.TorqueRecorder)),
+    *[(lambda: insert(3, w.VTKRecorder()), "the VTKRecorder stands before ContactDynamics")
+      for _ in range(hasattr(w, "VTKRecorder"))],  # not in every YADE
+    (lambda: insert(-1, w.VESupportEngine(bIds=[1])), "the VESupportEngine " + UNSEEN),
     (lambda: insert(0, w.GlobalStiffnessTimeStepper()),
      "the GlobalStiffnessTimeStepper would set O.dt from stiffnesses"),
     (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)), r"pulls out of the plane of the "
