@@ -75,8 +75,13 @@ def _curves(rows):
 
 
 def _exponent(last, row, name):
-    """Exponent of a power law over the number of grains, from the size before."""
-    return math.log(row[name] / last[name]) / math.log(row["particles"] / last["particles"])
+    """Exponent of a power law over the number of grains, from the size before.
+
+    NaN if a number is not positive: the memory of a small scene may be below that freed meanwhile.
+    """
+    ratio = row[name] / last[name] if last[name] > 0 else 0
+    grains = row["particles"] / last["particles"]
+    return math.log(ratio) / math.log(grains) if ratio > 0 else math.nan
 
 
 def ratios(rows):

@@ -248,7 +248,7 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 {
 	const Settings settings = settingsOf(problem, given);
 	if (given.mayYield() && !settings.mayYield() && hasYielded(problem) && !swept.converged) {
-		problem.yielded.assign(problem.yielded.size(), false); // the sweeps were few (mayYield)
+		problem.yielded.assign(problem.yielded.size(), false); // it has had few sweeps
 		swept = sweepTogether(problem, solver, remaining(settings, swept), workspace)
 		                .plusCostOf(swept);
 	}
