@@ -20,7 +20,7 @@ def arguments():
     parser = script.Parser(prog="driven_scenes.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("--count", type=script.at_least(1), default=200, metavar="N",
-        help="number of scenes; 200 take an hour")
+        help="number of scenes; 200 take 12 minutes")
     add("--first", type=script.integer(), default=0, metavar="SEED", help="seed of the first scene")
     add("--out", type=script.new_file, default="driven-scenes.csv", metavar="FILE", help="CSV")
     return parser.parse_args()
