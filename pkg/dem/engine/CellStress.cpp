@@ -27,9 +27,11 @@ static rcr::Vec2 lengths(const rcr::PeriodicCell& cell)
 {
 	const auto& h = cell.h;
 	if (h[1][0] == 0 || h[0][1] == 0) return { h[0][0], h[1][1] };
-	const double y = latticeLength(cell, true);
-	double       x = latticeLength(cell, false);
-	if (x == 0) x = y > 0 ? cell.area() / y : std::hypot(h[0][0], h[1][0]);
+	double x = latticeLength(cell, false);
+	if (x == 0) {
+		const double y = latticeLength(cell, true);
+		x              = y > 0 ? cell.area() / y : std::hypot(h[0][0], h[1][0]);
+	}
 	return { x, cell.area() / x };
 }
 
@@ -96,14 +98,13 @@ void CellStress::gatherCell(rcr::Step& step) const
 
 void wrapBodies(Scene& scene, const NewtonIntegrator& integrator)
 {
-	const Matrix3r toCells = scene.cell->hSize.inverse();
 	for (const auto& b : *scene.bodies) {
 		if (!b || b->isClumpMember() || (b->state->blockedDOFs & State::DOF_XYZ) != State::DOF_Z
 		        || (integrator.mask > 0 && !b->maskCompatible(integrator.mask)))
 			continue;
-		const Vector3r at = toCells * b->state->pos;
-		if (!(at.head<2>().norm() < 1e9)) continue; // no int holds the cells
-		const Vector3i cells(-int(math::floor(at[0])), -int(math::floor(at[1])), 0);
+		const rcr::Vec2 at = plane::inEdges(*scene.cell, plane::toPlane(b->state->pos));
+		if (!(norm(at) < 1e9)) continue; // no int holds the cells
+		const Vector3i cells(-int(std::floor(at.x)), -int(std::floor(at.y)), 0);
 		if (cells != Vector3i::Zero()) moveToImage(*b, scene, cells);
 	}
 }

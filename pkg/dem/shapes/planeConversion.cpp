@@ -65,13 +65,18 @@ Matrix3r nextGradient(const Cell& cell)
 	                                                                   : cell.velGrad;
 }
 
-Vector3i cellsOf(const Cell& cell, rcr::Vec2 v)
+rcr::Vec2 inEdges(const Cell& cell, rcr::Vec2 v)
 {
 	const Matrix3r& h           = cell.hSize;
 	const double    determinant = double(h(0, 0) * h(1, 1) - h(0, 1) * h(1, 0));
-	const double    x = (double(h(1, 1)) * v.x - double(h(0, 1)) * v.y) / determinant,
-	             y    = (double(h(0, 0)) * v.y - double(h(1, 0)) * v.x) / determinant;
-	return { int(std::round(x)), int(std::round(y)), 0 };
+	return { (double(h(1, 1)) * v.x - double(h(0, 1)) * v.y) / determinant,
+		(double(h(0, 0)) * v.y - double(h(1, 0)) * v.x) / determinant };
+}
+
+Vector3i cellsOf(const Cell& cell, rcr::Vec2 v)
+{
+	const rcr::Vec2 edges = inEdges(cell, v);
+	return { int(std::round(edges.x)), int(std::round(edges.y)), 0 };
 }
 
 rcr::PeriodicCell cellOf(const Scene& scene)

@@ -20,6 +20,9 @@ template <class Functor, class List> bool has(const List& functors)
 	        [](const auto& f) { return bool(dynamic_cast<const Functor*>(f.get())); });
 }
 
+/// A live engine and the live engines that it combines; none of a dead engine.
+std::vector<const Engine*> livePartsOf(const Engine&);
+
 struct SceneQuery {
 	const Scene&                           scene;
 	const std::vector<shared_ptr<Engine>>& engines;

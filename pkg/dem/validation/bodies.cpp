@@ -176,7 +176,7 @@ std::string sphereEngineWarning(const Scene& scene)
 		if (name != "DragEngine" && name != "LinearDragEngine" && name != "HydroForceEngine")
 			continue;
 		for (const Body::id_t id : static_cast<const PartialEngine&>(*engine).ids)
-			if (id >= 0 && std::size_t(id) < scene.bodies->size() && (*scene.bodies)[id]
+			if (scene.bodies->exists(id)
 			    && dynamic_cast<const Rcr*>((*scene.bodies)[id]->shape.get()))
 				return name + " exerts no force on " + bodyNames({ id })
 				        + ", which is no Sphere; add the drag by a PyRunner before ContactDynamics: "
@@ -191,14 +191,12 @@ std::string turningWarning(const Scene& scene)
 	const auto*      collider = view.first<InsertionSortCollider>();
 	if (view.law != springs || !collider || collider->verletDist == 0) return {};
 	std::set<Body::id_t> turned; // by an engine
-	for (const auto& engine : scene.engines) {
-		bool        turns = !engine->dead && dynamic_cast<const RotationEngine*>(engine.get());
-		const auto* all   = dynamic_cast<const CombinedKinematicEngine*>(engine.get());
-		if (all && !all->dead) turns = has<RotationEngine>(all->comb);
-		if (!turns) continue;
-		const auto& ids = static_cast<const PartialEngine&>(*engine).ids;
-		turned.insert(ids.begin(), ids.end());
-	}
+	for (const auto& engine : scene.engines)
+		for (const Engine* part : livePartsOf(*engine)) {
+			if (!dynamic_cast<const RotationEngine*>(part)) continue;
+			const auto& ids = static_cast<const PartialEngine&>(*engine).ids; // not of the part
+			turned.insert(ids.begin(), ids.end());
+		}
 	for (const auto& b : *scene.bodies) {
 		if (!b || !b->shape || b->isClump()) continue;
 		const State&           s     = *b->state;

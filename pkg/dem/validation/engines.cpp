@@ -61,14 +61,14 @@ std::string loadWithoutEffect(const SceneQuery& v)
 	return {};
 }
 
-/// Names of an engine and of the engines that it combines.
-static std::vector<std::string> namesOf(const Engine& engine)
+std::vector<const Engine*> livePartsOf(const Engine& engine)
 {
-	std::vector<std::string> names { engine.getClassName() };
+	if (engine.dead) return {};
+	std::vector<const Engine*> parts { &engine };
 	if (const auto* all = dynamic_cast<const CombinedKinematicEngine*>(&engine))
 		for (const auto& one : all->comb)
-			if (!one->dead) names.push_back(one->getClassName());
-	return names;
+			if (!one->dead) parts.push_back(one.get());
+	return parts;
 }
 
 /// Controllers and recorders read forces that are complete after ContactDynamics. A controller also
@@ -83,11 +83,10 @@ std::string readsTooEarly(const SceneQuery& v)
 			        + " forces without those of contacts; put it after the NewtonIntegrator.";
 		};
 		if (v.engines[k]->dead) continue;
-		const std::vector<std::string> names = namesOf(*v.engines[k]);
-		if ((dynamic_cast<const BoundaryController*>(v.engines[k].get())
-		            && !pushes(*v.engines[k]))
-		        || std::count(names.begin(), names.end(), "ServoPIDController"))
-			return error("the NewtonIntegrator", "read");
+		for (const Engine* part : livePartsOf(*v.engines[k]))
+			if ((dynamic_cast<const BoundaryController*>(part) && !pushes(*part))
+			        || part->getClassName() == "ServoPIDController")
+				return error("the NewtonIntegrator", "read");
 		static const std::set<std::string> recorders { "ForceRecorder", "TorqueRecorder",
 			"TimeAverager", "VTKRecorder" };
 		if (k < solver && recorders.count(name)) return error("ContactDynamics", "record");
@@ -104,8 +103,7 @@ std::string recordersOfMembers(const SceneQuery& v)
 		if (engine->dead || !(force || torque)) continue;
 		const std::vector<int>& ids = force ? force->ids : torque->ids;
 		for (Body::id_t id : ids)
-			if (id >= 0 && std::size_t(id) < v.scene.bodies->size() && (*v.scene.bodies)[id]
-			        && (*v.scene.bodies)[id]->isClumpMember()
+			if (v.scene.bodies->exists(id) && (*v.scene.bodies)[id]->isClumpMember()
 			        && !std::count(ids.begin(), ids.end(), (*v.scene.bodies)[id]->clumpId))
 				return "the " + engine->getClassName() + " records " + bodyNames({ id })
 				        + ", a clump member without forces of its own: contact forces act on its "
@@ -166,7 +164,7 @@ std::string contactsWithoutBodies(const SceneQuery& v)
 		if (b) known += b->intrs.size();
 	if (known == 2 * v.scene.interactions->size()) return {};
 	const auto isKnown = [&](Body::id_t id, Body::id_t other) {
-		return std::size_t(id) < bodies.size() && bodies[id] && bodies[id]->intrs.count(other);
+		return bodies.exists(id) && bodies[id]->intrs.count(other);
 	};
 	for (const auto& i : *v.scene.interactions)
 		if (!isKnown(i->getId1(), i->getId2()) || !isKnown(i->getId2(), i->getId1()))

@@ -186,8 +186,8 @@ RIGID = [  # under the rigid law
         ids=rcr.clump([grain((1, 2)), grain((1.05, 2))])[1], file="/dev/null")),
        "records body #2, a clump member .* Record body #4")
       for recorder in (w.ForceRecorder, w.TorqueRecorder)),
-    *[(lambda: insert(3, w.VTKRecorder()), "the VTKRecorder stands before ContactDynamics")
-      for _ in range(hasattr(w, "VTKRecorder"))],  # not in every YADE
+    *((lambda name=name: insert(3, getattr(w, name)()), f"the {name} stands before ContactDynamics")
+      for name in ["VTKRecorder"] if hasattr(w, name)),  # not in every YADE
     (lambda: insert(-1, w.VESupportEngine(bIds=[1])), "the VESupportEngine " + UNSEEN),
     (lambda: insert(0, w.GlobalStiffnessTimeStepper()),
      "the GlobalStiffnessTimeStepper would set O.dt from stiffnesses"),
