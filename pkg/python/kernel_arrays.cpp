@@ -42,7 +42,7 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 {
 	static const std::set<std::string> names { "inverse_mass", "free_velocity", "bodies", "normal",
 		"arm1", "arm2", "bias", "friction", "impulse", "drift", "shift", "inverse_stretch_mass",
-		"recovery_bias", "yielded" };
+		"place", "recovery_bias", "yielded" };
 	for (const auto& item : arrays)
 		if (const std::string name = py::str(item.first); !names.count(name))
 			throw py::type_error("'" + name + "' is neither a setting nor an array of a problem");
@@ -73,6 +73,7 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 		requireShape(mass, "inverse_stretch_mass", { 2 });
 		problem.inverseStretchMass = { mass.at(0), mass.at(1) };
 	}
+	if (has("place")) problem.place = rowsFrom<Vec2>(given("place"), "place", nb);
 	if (has("recovery_bias")) problem.recoveryBias = numbers("recovery_bias");
 	if (has("yielded"))
 		for (double one : rowsFrom<double>(given("yielded"), "yielded", nb))

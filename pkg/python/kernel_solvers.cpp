@@ -160,7 +160,7 @@ void bindSolvers(py::module_& m)
 	        "\n"
 	        "Arrays by keyword: inverse_mass and free_velocity (nb, 3), bodies, normal, arm1, arm2\n"
 	        "and impulse (nc, 2), bias and friction (nc,); optional: drift and shift (nc, 2),\n"
-	        "inverse_stretch_mass (2,), recovery_bias (nc,), yielded (nb,).\n"
+	        "inverse_stretch_mass (2,), place (nb, 2), recovery_bias (nc,), yielded (nb,).\n"
 	        "\n"
 	        "Returns a dict: impulse (nc, 2) [N s], relative_velocity (nc, 2) [m/s], velocity\n"
 	        "(nb, 3) [m/s, 1/s], stretch_rate (2,) [1/s], iterations, residual [-], converged,\n"

@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components
 
 DATA = Path(__file__).parents[1] / "data"
 ROUNDING = 1e-13  # of a residual: sums of some thousand velocities with errors of 1e-16
-BODY_ARRAYS = "inverse_mass", "free_velocity"
+BODY_ARRAYS = "inverse_mass", "free_velocity", "place"
 LANES_AND_THREADS = [(lanes, threads) for lanes in (1, 4, 8) for threads in (1, 2, 4)]
 EQUAL = "impulse", "velocity", "iterations", "residual", "kinematic_error"  # of repeated solves
 
@@ -77,14 +77,20 @@ def kinetic_energy(problem, v):
     return (v**2 / np.where(inverse > 0, inverse, np.inf)).sum() / 2
 
 
+def stretch_arm(problem):
+    """r₂ + s − r₁ of every point (nc, 2) or 0."""
+    place = problem.get("place", np.zeros((len(problem["inverse_mass"]), 2)))
+    a, b = problem["bodies"].T
+    return problem.get("shift", 0) + place[b] - place[a]
+
+
 def weights(problem):
-    """w_nn of every point (nc,)."""
+    """w_nn of every point (nc,), without the stretch of a cell."""
     a, b = problem["bodies"].T
     n, m = problem["normal"], problem["inverse_mass"]
     lever = lambda r: r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
-    cell = ((problem.get("shift", 0) * n) ** 2 * problem.get("inverse_stretch_mass", 0)).sum(1)
     rotation = m[a, 2] * lever(problem["arm1"]) ** 2, m[b, 2] * lever(problem["arm2"]) ** 2
-    return ((m[a, :2] + m[b, :2]) * n**2).sum(1) + cell + rotation[0] + rotation[1]
+    return ((m[a, :2] + m[b, :2]) * n**2).sum(1) + rotation[0] + rotation[1]
 
 
 def errors(problem, p):

@@ -35,26 +35,6 @@ static rcr::Vec2 lengths(const rcr::PeriodicCell& cell)
 	return { x, cell.area() / x };
 }
 
-/// Moves a body, its clump members, and the points of their contacts by `cells` edges of the cell.
-static void moveToImage(Body& b, Scene& scene, const Vector3i& cells)
-{
-	const Cell&    cell = *scene.cell;
-	const Vector3r by   = cell.intrShiftPos(cells);
-	b.state->pos += by, b.state->refPos += by;
-	b.state->vel += plane::nextGradient(cell) * by;
-	for (const auto& [id, contact] : b.intrs) {
-		const bool isFirst = contact->getId1() == b.getId();
-		contact->cellDist += isFirst ? cells : Vector3i(-cells);
-		auto* geom = isFirst ? dynamic_cast<RcrGeom*>(contact->geom.get()) : nullptr;
-		if (!geom) continue; // points lie near body 1
-		geom->contactPoint += by;
-		geom->position1 += Vector2r(by[0], by[1]), geom->position2 += Vector2r(by[0], by[1]);
-	}
-	if (!b.isClump()) return;
-	for (const auto& member : static_cast<const Clump&>(*b.shape).members)
-		moveToImage(*(*scene.bodies)[member.first], scene, cells);
-}
-
 void CellStress::action()
 {
 	if (!(mass > 0 && math::isfinite(mass)))
@@ -77,12 +57,16 @@ void CellStress::clearStressedAxes(Matrix3r& gradient) const
 		if (!math::isnan(stress[axis])) gradient(axis, axis) = 0;
 }
 
-void CellStress::gatherCell(rcr::Step& step) const
+void CellStress::gatherCell(const NewtonIntegrator& integrator, rcr::Step& step) const
 {
-	double grains = 0; // their mass
-	for (const rcr::InverseMass& inverse : step.problem.inverseMass)
+	rcr::ContactProblem& problem = step.problem;
+	double               grains  = 0; // their mass
+	for (const rcr::InverseMass& inverse : problem.inverseMass)
 		grains += inverse.mass();
 	if (grains == 0) return;
+	if (!step.overdamped && scene->cell->homoDeform == 0)
+		validation::refuse("CellStress moves the bodies with the cell, and O.cell.homoDeform = 0; "
+		                   "expected 2, the default.");
 	rcr::PeriodicCell& cell = step.cell;
 	const rcr::Vec2    size = lengths(cell);
 	const auto         load = [&](int axis, double length, double& inverse, double& rate) {
@@ -92,21 +76,19 @@ void CellStress::gatherCell(rcr::Step& step) const
 		rate = -inverse * step.dt * double(stress[axis]) * cell.area();
 		cell.gradient[axis][axis] += rate;
 	};
-	load(0, size.x, step.problem.inverseStretchMass.x, cell.loadRate.x);
-	load(1, size.y, step.problem.inverseStretchMass.y, cell.loadRate.y);
-}
-
-void wrapBodies(Scene& scene, const NewtonIntegrator& integrator)
-{
-	for (const auto& b : *scene.bodies) {
-		if (!b || b->isClumpMember() || (b->state->blockedDOFs & State::DOF_XYZ) != State::DOF_Z
-		        || (integrator.mask > 0 && !b->maskCompatible(integrator.mask)))
-			continue;
-		const rcr::Vec2 at = plane::inEdges(*scene.cell, plane::toPlane(b->state->pos));
-		if (!(norm(at) < 1e9)) continue; // no int holds the cells
-		const Vector3i cells(-int(std::floor(at.x)), -int(std::floor(at.y)), 0);
-		if (cells != Vector3i::Zero()) moveToImage(*b, scene, cells);
+	load(0, size.x, problem.inverseStretchMass.x, cell.loadRate.x);
+	load(1, size.y, problem.inverseStretchMass.y, cell.loadRate.y);
+	if (!problem.stretches()) return;
+	problem.place.resize(step.bodies.size());
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const auto& b = (*scene->bodies)[id];
+		if (!b || (integrator.mask > 0 && !b->maskCompatible(integrator.mask))) continue;
+		problem.place[id] = step.bodies[id].center;
+		if (!step.overdamped) continue; // else prescribed velocities remain
+		if (problem.inverseMass[id].x == 0) problem.place[id].x = 0;
+		if (problem.inverseMass[id].y == 0) problem.place[id].y = 0;
 	}
+	problem.addStretch(cell.loadRate, problem.freeVelocity);
 }
 
 void suppressHomoDeform(Scene& scene, bool suppress)

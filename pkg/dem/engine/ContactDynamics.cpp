@@ -26,7 +26,7 @@ void ContactDynamics::action()
 		const std::string invalid = attributeError();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
-		if (scene->isPeriodic) suppressHomoDeform(*scene, overdamped || engines.cellStress);
+		if (scene->isPeriodic) suppressHomoDeform(*scene, overdamped);
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();
 		stepThread_ = std::this_thread::get_id();
@@ -52,7 +52,6 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();
 	setStartFlow(); // gather replaces it in a periodic cell
 	timed("gather", [&] {
-		if (engines.cellStress) wrapBodies(*scene, *engines.integrator);
 		gather(*scene, engines, team, handles_, step_);
 		addUnlistedContacts(*scene, engines, *this, handles_, step_);
 	});

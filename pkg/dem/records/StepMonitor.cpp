@@ -2,6 +2,7 @@
 
 #include "dem/validation/validation.hpp"
 #include "kernel/parallel/thread_team.hpp"
+#include "kernel/problem/coulomb.hpp"
 #include "kernel/step/energy.hpp"
 
 namespace yade {
@@ -115,13 +116,13 @@ void checkCellStress(const rcr::Step& step, long iteration)
 	if (!step.problem.stretches()) return;
 	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {
 		const rcr::ContactPoint& c = step.problem.points[k];
-		if (!step.problem.prescribed(c.body1) || !step.problem.prescribed(c.body2)) continue;
+		if (delassus(step.problem, c).nn > 0) continue;
 		const double gap = step.gap[k].atStart + step.dt * relativeVelocity(step.problem, c).n;
 		if (gap < step.gap[k].threshold)
 			throw std::runtime_error("ContactDynamics: CellStress presses "
 			        + validation::bodyNames({ c.body1, c.body2 })
-			        + " against each other across the boundary of the cell, and both have "
-			          "prescribed motion. Nothing has moved. Let one of them move freely.");
+			        + " against each other, and both have prescribed motion along the normal of "
+			          "their contact. Nothing has moved. Let one of them move freely.");
 	}
 	const rcr::Vec2 m          = step.problem.inverseStretchMass;
 	const double    inverse[2] = { m.x, m.y };
@@ -152,7 +153,7 @@ UnbalancedForce unbalancedForceOf(const rcr::Step& step)
 		if (!body.free || !(body.shape.grain() || body.shape.kind == rcr::PlanarShape::none))
 			continue;
 		const rcr::InverseMass&  inverse = step.problem.inverseMass[id];
-		const rcr::PlanarVector &v = step.problem.velocity[id], &before = body.velocity;
+		const rcr::PlanarVector &v = step.problem.velocity[id], before = step.startVelocity(int(id));
 		const rcr::Vec2          change { inverse.x > 0 ? (v.x - before.x) / inverse.x : 0,
             inverse.y > 0 ? (v.y - before.y) / inverse.y : 0 };
 		largest = std::max(largest, norm(change));

@@ -308,7 +308,8 @@ void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& t
 	Gatherer gatherer { scene, engines, team, handles, step };
 	gatherer.bodies();
 	step.problem.inverseStretchMass = step.problem.stretchRate = {};
-	if (engines.cellStress) engines.cellStress->gatherCell(step);
+	step.problem.place.clear();
+	if (engines.cellStress) engines.cellStress->gatherCell(*engines.integrator, step);
 	gatherer.contacts();
 }
 

@@ -50,6 +50,14 @@ void ContactProblem::setStretchRate(Vec2 now)
 	stretchRate = now;
 }
 
+void ContactProblem::addStretch(Vec2 rate, std::vector<PlanarVector>& velocity) const
+{
+	for (std::size_t id = 0; id < place.size(); ++id) {
+		velocity[id].x += rate.x * place[id].x;
+		velocity[id].y += rate.y * place[id].y;
+	}
+}
+
 Vec2 addImpulses(const ContactProblem& problem, const std::vector<LocalVector>& impulse,
         std::vector<PlanarVector>& velocity)
 {
@@ -58,9 +66,12 @@ Vec2 addImpulses(const ContactProblem& problem, const std::vector<LocalVector>& 
 		const ContactPoint& c = problem.points[k];
 		applyImpulse(c, impulse[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
 		        velocity[c.body1], velocity[c.body2]);
-		stretching = stretching + componentwise(c.shift, toCartesian(c.normal, impulse[k]));
+		stretching
+		        = stretching + componentwise(problem.stretchArm(c), toCartesian(c.normal, impulse[k]));
 	}
-	return componentwise(problem.inverseStretchMass, stretching);
+	const Vec2 rate = componentwise(problem.inverseStretchMass, stretching);
+	problem.addStretch(rate, velocity);
+	return rate;
 }
 
 void updateVelocity(ContactProblem& problem)
@@ -110,15 +121,19 @@ void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
 	checkSize("impulse", problem.impulse.size(), problem.points.size());
 	if (!problem.yielded.empty()) checkSize("yielded", problem.yielded.size(), bodies);
+	if (!problem.place.empty()) checkSize("place", problem.place.size(), bodies);
 	if (!problem.recoveryBias.empty())
 		checkSize("recoveryBias", problem.recoveryBias.size(), problem.points.size());
 	const Vec2 m = problem.inverseStretchMass, g = problem.stretchRate;
 	if (!finite(m.x, m.y, g.x, g.y) || m.x < 0 || m.y < 0)
 		refuse("the cell: an inverse mass or stretch rate is not finite, or an inverse mass is "
 		       "negative");
-	for (std::size_t i = 0; i < bodies; ++i)
+	for (std::size_t i = 0; i < bodies; ++i) {
 		if (const char* error = bodyError(problem.inverseMass[i], problem.freeVelocity[i]))
 			refuse("body ", i, error);
+		const Vec2 place = problem.placeOf(int(i));
+		if (!finite(place.x, place.y)) refuse("body ", i, ": its place is not finite");
+	}
 	team.forEach(problem.points.size(), [&](std::size_t k) {
 		if (const char* error = pointError(problem.points[k], problem.impulse[k], bodies))
 			refuse("contact point ", k, error);

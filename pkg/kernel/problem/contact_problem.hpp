@@ -6,8 +6,8 @@
 //   |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0    Coulomb
 //
 // A periodic cell that may stretch has two more degrees of freedom, its stretch rates along x and
-// y. Contacts change them by δg = M_c⁻¹ Σ f ∘ s, with the impulse f of a point in x and y. d
-// includes δg ∘ s.
+// y. It moves all bodies alike: v includes δg ∘ r, and d includes δg ∘ s. Contacts change the rates
+// by δg = M_c⁻¹ Σ f ∘ (r₂ + s − r₁), with the impulse f of a point in x and y.
 //
 // | symbol | field              | unit      | meaning                                             |
 // |--------|--------------------|-----------|-----------------------------------------------------|
@@ -19,6 +19,7 @@
 // | µ      | friction           | –         | Coulomb coefficient                                 |
 // | d      | drift              | m/s       | velocity of the periodic image of body 2, relative  |
 // | s      | shift              | m         | from body 2 to that image; 0 without CellStress     |
+// | r      | place              | m         | of the body that the cell moves; 0: it does not     |
 // | M_c⁻¹  | inverseStretchMass | 1/(kg m²) | 0: the motion of the cell is prescribed             |
 // | δg     | stretchRate        | 1/s       | out: change of the stretch rates by contacts        |
 // | p      | LocalVector        | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
@@ -113,12 +114,22 @@ struct ContactProblem {
 	// bias of a yielding contact that removes its overlap, ≤ 0 [m/s]; may be empty
 	std::vector<double>       recoveryBias;
 
-	Vec2 inverseStretchMass;
-	Vec2 stretchRate; // its change by contacts; the drifts of the points include it
+	Vec2              inverseStretchMass;
+	Vec2              stretchRate; // its change by contacts; velocities and drifts include it
+	std::vector<Vec2> place;       // per body; may be empty
 
 	bool stretches() const { return inverseStretchMass.x > 0 || inverseStretchMass.y > 0; }
+	/// r of a body [m].
+	Vec2 placeOf(int body) const { return place.empty() ? Vec2 {} : place[body]; }
+	/// r₂ + s − r₁ of a point: its relative velocity changes by δg times this [m].
+	Vec2 stretchArm(const ContactPoint& c) const
+	{
+		return c.shift + placeOf(c.body2) - placeOf(c.body1);
+	}
 	/// Sets the stretch rate and updates the drifts of all points.
 	void setStretchRate(Vec2);
+	/// Adds δg ∘ r to the velocities of all bodies.
+	void addStretch(Vec2 rate, std::vector<PlanarVector>& velocity) const;
 
 	bool prescribed(int body) const { return inverseMass[body].prescribed(); }
 	bool hasYielded(int body) const { return !yielded.empty() && yielded[body]; }
@@ -193,7 +204,7 @@ inline void applyImpulse(const ContactPoint& c, const LocalVector& p, const Inve
 	v2.rotation += m2.rotation * cross(c.arm2, f);
 }
 
-/// Adds M⁻¹ Jᵀ p of all points to the velocities. Returns δg.
+/// Adds M⁻¹ Jᵀ p of all points and δg ∘ r to the velocities. Returns δg.
 Vec2 addImpulses(const ContactProblem&, const std::vector<LocalVector>&,
         std::vector<PlanarVector>& velocity);
 

@@ -45,14 +45,10 @@ inline Delassus delassus(const ContactPoint& c, const InverseMass& m1, const Inv
 	return w;
 }
 
-/// J M⁻¹ Jᵀ of one point, including the stretch of the cell, which also moves the image of body 2.
+/// J M⁻¹ Jᵀ of one point, without the stretch of a cell.
 inline Delassus delassus(const ContactProblem& problem, const ContactPoint& c)
 {
-	const Vec2  cell = componentwise(problem.inverseStretchMass, componentwise(c.shift, c.shift));
-	InverseMass m2   = problem.inverseMass[c.body2];
-	m2.x += cell.x;
-	m2.y += cell.y;
-	return delassus(c, problem.inverseMass[c.body1], m2);
+	return delassus(c, problem.inverseMass[c.body1], problem.inverseMass[c.body2]);
 }
 
 /// Impulse of one point [N s]; `gn` is g_n + b_n [m/s]. Requires w.nn > 0.

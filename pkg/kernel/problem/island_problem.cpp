@@ -30,9 +30,7 @@ IslandProblem::IslandProblem(const ContactProblem& whole, std::vector<std::int32
 		problem.points.push_back(c);
 		problem.impulse.push_back(whole.impulse[k]);
 		if (!whole.recoveryBias.empty()) problem.recoveryBias.push_back(whole.recoveryBias[k]);
-		if (c.shift.x != 0 || c.shift.y != 0) problem.inverseStretchMass = whole.inverseStretchMass;
 	}
-	problem.stretchRate = whole.stretchRate;
 }
 
 void IslandProblem::store(ContactProblem& whole) const
@@ -43,7 +41,6 @@ void IslandProblem::store(ContactProblem& whole) const
 		whole.velocity[bodies_[k]] = problem.velocity[k];
 		if (!whole.yielded.empty()) whole.yielded[bodies_[k]] = problem.yielded[k];
 	}
-	if (problem.stretches()) whole.setStretchRate(problem.stretchRate);
 }
 
 } // namespace rcr

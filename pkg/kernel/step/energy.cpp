@@ -11,7 +11,7 @@ StepEnergy stepEnergy(const Step& step, const std::vector<PlanarVector>& impulse
 		// both with the stretch rate at the end and the load, as the work on the cell
 		const LocalVector after  = relativeVelocity(problem, c),
 		                  before = relativeVelocity(
-		                          c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
+		                          c, step.startVelocity(c.body1), step.startVelocity(c.body2));
 		const double        rubbed = -0.5 * problem.impulse[k].t * (before.t + after.t);
 		// restitution reverses the slip: its energy belongs to the impact
 		const bool          returns = c.bias < 0 && rubbed < 0;
@@ -22,7 +22,7 @@ StepEnergy stepEnergy(const Step& step, const std::vector<PlanarVector>& impulse
 	}
 	for (std::size_t id = 0; id < impulses.size(); ++id) {
 		const InverseMass&  inverse = problem.inverseMass[id];
-		const PlanarVector &before = step.bodies[id].velocity, &after = problem.velocity[id];
+		const PlanarVector before = step.startVelocity(int(id)), &after = problem.velocity[id];
 		if (inverse.x == 0) energy.driven += 0.5 * impulses[id].x * (before.x + after.x);
 		if (inverse.y == 0) energy.driven += 0.5 * impulses[id].y * (before.y + after.y);
 		if (inverse.rotation == 0)

@@ -204,6 +204,15 @@ struct Step {
 		        bodies[c.body1].velocity, bodies[c.body2].velocity);
 	}
 
+	/// Velocity at the beginning of the step in the flow of the cell at its end.
+	PlanarVector startVelocity(int id) const
+	{
+		const Vec2 stretch = componentwise(problem.stretchRate + cell.loadRate, problem.placeOf(id));
+		PlanarVector v     = bodies[id].velocity;
+		v.x += stretch.x, v.y += stretch.y;
+		return v;
+	}
+
 	/// A detected point as a point of the problem, with the bias of the law:
 	///
 	///   b_n = e u_n⁻  the gap closes within the step and e > 0: Newton's rule with restitution e

@@ -16,11 +16,8 @@ LocalVector PackedIsland::relativeVelocity(const View<Real>& view, const Overflo
 	const Real *   v1 = view.recordAt(c.record1), *v2 = view.recordAt(c.record2);
 	constexpr bool whole = std::is_same_v<Real, double>; // or relative to the reference
 	Vec2 u { double(v2[record::x]) - v1[record::x], double(v2[record::y]) - v1[record::y] };
-	if (stretches()) { // other islands must not read the rate, which this one changes
-		const Vec2 rate = whole ? packed_.stretchRate_
-		                        : packed_.stretchRate_ - packed_.referenceStretchRate_;
-		u               = u + componentwise(rate, c.shift);
-	}
+	// other islands must not read the rate, which this one changes
+	if (stretches()) u = u + componentwise(packed_.stretchRate_, c.stretchArm);
 	const double       spin1 = c.wholeRecords ? v1[record::spin] : 0;
 	const double       spin2 = c.wholeRecords ? v2[record::spin] : 0;
 	const LocalVector& rest  = whole ? c.drift : c.reference;
@@ -44,11 +41,6 @@ void PackedIsland::applyImpulse(
 	};
 	push(c.record1, c.mass1, -1, p.n * c.lever1n + p.t * c.lever1t);
 	push(c.record2, c.mass2, +1, p.n * c.lever2n + p.t * c.lever2t);
-	if (stretches()) {
-		const Vec2 moment = componentwise(c.shift, f);
-		packed_.stretchRate_
-		        = packed_.stretchRate_ + componentwise(packed_.inverseStretchMass_, moment);
-	}
 }
 
 /// The impulse that solves the point, other impulses fixed. The velocities contain impulse p.
@@ -60,6 +52,39 @@ LocalVector PackedIsland::solve(
 	const double      gn = u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t;
 	const double      gt = u.t - c.w.nt * p.n - c.w.tt * p.t;
 	return solveCoulomb(c.w, gn, gt, c.friction);
+}
+
+/// The stretch rate that the impulses cause, M_c⁻¹ Σ f ∘ (r₂ + s − r₁), less the present one [1/s].
+/// The impulses on free bodies follow from their velocities.
+Vec2 PackedIsland::stretchRateLag()
+{
+	if (!stretches()) return {};
+	const double* const free = packed_.freeBody_.data()->of;
+	const Vec2          rate = packed_.stretchRate_;
+	Vec2                moment;
+	for (int k = 0; k < island_.overflowRecords.end; ++k) { // of the only island
+		const auto&         of   = packed_.carried_[k];
+		const double* const v    = view_.recordAt(k);
+		const double* const from = free + offsetOf(k);
+		moment.x += of.place.x * of.mass.x * (v[0] - from[0] - rate.x * of.place.x);
+		moment.y += of.place.y * of.mass.y * (v[1] - from[1] - rate.y * of.place.y);
+	}
+	forEachOverflowPoint([&](const OverflowPoint& c) {
+		moment = moment + componentwise(c.stretchArm, toCartesian(c.normal, c.p));
+	});
+	return componentwise(packed_.inverseStretchMass_, moment) - rate;
+}
+
+/// Adds to the stretch rate, and to the velocities of all bodies.
+void PackedIsland::stretchBy(Vec2 rate)
+{
+	if (!stretches()) return;
+	for (int k = 0; k < island_.overflowRecords.end; ++k) {
+		double* const v = view_.recordAt(k);
+		v[0] += rate.x * packed_.carried_[k].place.x;
+		v[1] += rate.y * packed_.carried_[k].place.y;
+	}
+	packed_.stretchRate_ = packed_.stretchRate_ + rate;
 }
 
 // ---- the steps of the solvers
@@ -86,6 +111,7 @@ void PackedIsland::recomputeVelocities()
 	});
 	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->apply(view_, chunk); });
 	forEachOverflowPoint([&](OverflowPoint& c) { applyImpulse(view_, c, c.p); });
+	stretchBy(stretchRateLag());
 	state_.measures.reset();
 	state_.velocityRecomputed = true;
 }
@@ -102,6 +128,7 @@ void PackedIsland::sweep(double relaxation)
 			c.p = p;
 		});
 	});
+	stretchBy(packed_.cellRelaxation_ * stretchRateLag());
 }
 
 double PackedIsland::sweepMomentum(double momentum, const Yielding& yielding)
@@ -150,6 +177,7 @@ double PackedIsland::sweepMomentum(View<Real>& view, const SweepKernels<Real>& k
 		c.p   = next;
 		change2 += square(next - from);
 	});
+	stretchBy(packed_.cellRelaxation_ * stretchRateLag());
 	return change2;
 }
 
@@ -157,7 +185,11 @@ Measures PackedIsland::measure()
 {
 	if (mixedPrecision_)
 		return measure<float>(singleView_, *packed_.singleKernels_, packed_.singleBias_.data());
-	if (!state_.measures) state_.measures = measure<double>(view_, *packed_.kernels_, nullptr);
+	if (state_.measures) return *state_.measures;
+	const Vec2 lag = stretchRateLag();
+	stretchBy(lag);
+	state_.measures = measure<double>(view_, *packed_.kernels_, nullptr);
+	stretchBy(-1 * lag);
 	return *state_.measures;
 }
 

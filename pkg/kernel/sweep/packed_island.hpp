@@ -77,6 +77,8 @@ private:
 		state_.measures.reset();
 	}
 	bool stretches() const { return island_.cell; }
+	Vec2 stretchRateLag();
+	void stretchBy(Vec2 rate);
 	/// Calls work(view, kernels) with those of the present precision.
 	template <class Work> auto inPrecision(Work work)
 	{

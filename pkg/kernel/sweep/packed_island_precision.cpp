@@ -36,7 +36,7 @@ namespace {
 void PackedIsland::beginMixedPrecision()
 {
 	const double speed = std::sqrt(freeVelocity2() / island_.points);
-	if (!island_.shared || speed == 0 || !fitsFloat(speed)) return;
+	if (!island_.shared || stretches() || speed == 0 || !fitsFloat(speed)) return;
 	forEachRecords([&](const Range& records) {
 		for (float* const body : { singleView_.body, singleView_.oldBody }) {
 			std::fill(body + offsetOf(records.begin), body + offsetOf(records.end), 0.0f);
@@ -123,7 +123,6 @@ void PackedIsland::updateReference()
 		packed_.kernels_->updateReference(view_, chunk, singleView_.points);
 	});
 	forEachOverflowPoint([&](OverflowPoint& c) { c.reference = relativeVelocity(view_, c); });
-	if (stretches()) packed_.referenceStretchRate_ = packed_.stretchRate_;
 	forEachRecords([&](const Range& records) {
 		float *const body = singleView_.body, *const old = singleView_.oldBody;
 		for (std::uint32_t i = offsetOf(records.begin); i < offsetOf(records.end); ++i) {
@@ -172,7 +171,6 @@ void PackedIsland::resetMomentum()
 		});
 	});
 	forEachOverflowPoint([](OverflowPoint& c) { c.old = c.p; });
-	if (stretches()) packed_.oldStretchRate_ = packed_.stretchRate_;
 }
 
 } // namespace rcr

@@ -1,5 +1,6 @@
 #include "sweep/packed_problem.hpp"
 
+#include "problem/coulomb.hpp"
 #include "problem/list_by_key.hpp"
 #include "sweep/packed_island.hpp"
 
@@ -64,9 +65,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	team.forEach(pairs.size(), [&](int k) {
 		if (pairs[k].slot != none) fill(problem, pairs[k]);
 	});
-	freeBody_           = body_;
-	inverseStretchMass_ = problem.inverseStretchMass;
-	stretchRate_        = {};
+	freeBody_ = body_;
+	loadCell(problem);
 	overflow_.clear();
 	states_.assign(islands(), {});
 	for (int number = 0; number < islands(); ++number) {
@@ -86,6 +86,40 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	});
 	oldBody_        = body_;
 	oldStretchRate_ = stretchRate_;
+}
+
+/// The part of a body's place whose stretch its record holds [m].
+Vec2 PackedProblem::carriedPlace(const ContactProblem& problem, int body) const
+{
+	const InverseMass& m = problem.inverseMass[body];
+	const Vec2         r = problem.placeOf(body) - cellOrigin_;
+	return { m.x > 0 ? r.x : 0, m.y > 0 ? r.y : 0 };
+}
+
+/// The stretch rate lags behind the sweeps, so its response T must not exceed that of a contact. A
+/// cell of little inertia is relaxed by 2/(2 + T/w).
+void PackedProblem::loadCell(const ContactProblem& problem)
+{
+	inverseStretchMass_ = problem.inverseStretchMass;
+	stretchRate_        = {};
+	carried_.clear();
+	if (!problem.stretches()) return;
+	if (!problem.points.empty()) cellOrigin_ = problem.placeOf(problem.points[0].body1);
+	carried_.resize(layout_.records());
+	for (int i = 0; i < int(problem.inverseMass.size()); ++i) {
+		const InverseMass& m         = problem.inverseMass[i];
+		carried_[layout_.record(i)] = { carriedPlace(problem, i),
+			{ m.x > 0 ? 1 / m.x : 0, m.y > 0 ? 1 / m.y : 0 } };
+	}
+	double cell = 0, least = std::numeric_limits<double>::infinity();
+	for (const ContactPoint& c : problem.points) {
+		const double w = delassus(problem, c).nn;
+		if (w <= 0) continue;
+		const Vec2 arm = problem.stretchArm(c);
+		cell += dot(inverseStretchMass_, componentwise(arm, arm));
+		least = std::min(least, w);
+	}
+	cellRelaxation_ = 2 / (2 + cell / least);
 }
 
 /// Finds the islands that have yielded in an earlier pass of the step.
@@ -200,7 +234,8 @@ void PackedProblem::addToOverflow(
 			       dot(drift, t) + (halfRecords ? spinSlip(problem, c) : 0) };
 		to.mass1        = { m1.x, m1.y, m1.rotation / (scale1 * scale1) };
 		to.mass2        = { m2.x, m2.y, m2.rotation / (scale2 * scale2) };
-		to.shift        = c.shift;
+		to.stretchArm   = c.shift + uncarriedPlace(problem, c.body2)
+		        - uncarriedPlace(problem, c.body1);
 		to.bias         = c.bias;
 		to.friction     = c.friction;
 		to.w            = w;
@@ -292,6 +327,11 @@ void PackedProblem::storeVelocity(
 		velocity[i]     = problem.freeVelocity[i];
 		velocity[i].x   = v[record::x];
 		velocity[i].y   = v[record::y];
+		if (problem.stretches()) { // the record of a body without contacts has no stretch
+			const Vec2 carried = layout_.island(i) == none ? Vec2 {} : carriedPlace(problem, i);
+			const Vec2 rest    = componentwise(stretchRate_, problem.placeOf(i) - carried);
+			velocity[i].x += rest.x, velocity[i].y += rest.y;
+		}
 		if (!layout_.hasHalfRecord(i) && problem.inverseMass[i].rotation > 0)
 			velocity[i].rotation = v[record::spin] * inverseGyration_[i];
 	});

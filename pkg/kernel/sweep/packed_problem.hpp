@@ -57,7 +57,7 @@ private:
 		double       lever1n, lever1t, lever2n, lever2t;
 		LocalVector  drift; // added to u: periodic images, and spins that the records do not hold
 		InverseMass  mass1, mass2;
-		Vec2         shift; // of a cell that may stretch
+		Vec2         stretchArm; // without the places of records
 		double       bias, friction;
 		Delassus     w;
 		LocalVector  p, old;
@@ -66,6 +66,13 @@ private:
 	};
 
 	void findYielded(const ContactProblem&);
+	void loadCell(const ContactProblem&);
+	Vec2 carriedPlace(const ContactProblem&, int body) const;
+	/// The rest of its place [m].
+	Vec2 uncarriedPlace(const ContactProblem& problem, int body) const
+	{
+		return problem.placeOf(body) - cellOrigin_ - carriedPlace(problem, body);
+	}
 	void loadBody(const ContactProblem&, int body, int record, bool half);
 	void recomputeVelocities();
 	void fill(const ContactProblem&, const PackedPair&);
@@ -117,8 +124,15 @@ private:
 	std::vector<Measures> partial_;
 	std::vector<double>   sum_;
 
-	// of the cell, whose points all belong to one island
-	Vec2 inverseStretchMass_, stretchRate_, oldStretchRate_, referenceStretchRate_;
+	/// Place and mass of a body that a stretching cell moves; 0 along prescribed axes.
+	struct Carried {
+		Vec2 place, mass;
+	};
+	// of a stretching cell, whose points all belong to one island
+	std::vector<Carried> carried_; // per half record
+	Vec2                 cellOrigin_; // of all places: near the bodies, to keep rounding small
+	Vec2                 inverseStretchMass_, stretchRate_, oldStretchRate_;
+	double               cellRelaxation_ = 1; // of the stretch rate in a sweep
 
 	ParallelChoice sweepChoice_; // of large islands
 	ModelSummary   summary_;

@@ -142,6 +142,7 @@ bool Layout::packable(const PackedPair& pair) const
 {
 	const BodyKind a = bodyKind_[pair.body1], b = bodyKind_[pair.body2];
 	if (pair.crossesMovingCell) return false;
+	if (stretches_) return a == BodyKind::regular && b == BodyKind::regular;
 	return (a == BodyKind::regular && b != BodyKind::special)
 	        || (b == BodyKind::regular && a != BodyKind::special);
 }

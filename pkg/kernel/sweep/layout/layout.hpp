@@ -65,7 +65,7 @@ struct Island {
 	std::int32_t points      = 0;
 	bool         shared      = false; // several threads sweep it
 	bool         halfRecords = false; // not small, and all its pairs are frictionless discs
-	bool         cell        = false; // contains all pairs across the boundary of a stretching cell
+	bool         cell        = false; // contains all pairs of a cell that may stretch
 	Range        pairs;               // in Layout::byIsland
 	Range        overflowRecords;     // of the bodies with overflow pairs only
 	Range        partitions, interfaces; // in Layout::sections

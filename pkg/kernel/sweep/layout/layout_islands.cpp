@@ -10,28 +10,22 @@ void Layout::findIslands()
 	DisjointSets              sets(bodyKind_.size());
 	std::vector<std::int32_t> number(bodyKind_.size(), none);
 	std::int32_t              whole = none; // the one island without that reduction
-	int                       cell  = none; // a body at the boundary of a stretching cell
 	for (const PackedPair& pair : pairs_) {
 		if (moves(pair.body1) && moves(pair.body2)) sets.join(pair.body1, pair.body2);
-		if (!stretches_ || !pair.crossesMovingCell) continue;
-		const int body = movingBodies(pair)[0];
-		if (!moves(body)) continue;
-		if (cell != none) sets.join(cell, body);
-		cell = body;
 	}
 	island_.assign(bodyKind_.size(), none);
 	islands_.clear();
 	for (const PackedPair& pair : pairs_) {
 		const int body = movingBodies(pair)[0];
 		if (!moves(body)) continue;
-		std::int32_t& island = reductions_.islands ? number[sets.find(body)] : whole;
+		std::int32_t& island = reductions_.islands && !stretches_ ? number[sets.find(body)] : whole;
 		if (island == none) {
 			island = int(islands_.size());
 			islands_.push_back({});
+			islands_.back().cell = stretches_;
 		}
 		for (int one : { pair.body1, pair.body2 })
 			if (moves(one)) island_[one] = island;
-		islands_[island].cell |= stretches_ && pair.crossesMovingCell;
 		islands_[island].points += pair.points;
 	}
 }
