@@ -657,6 +657,31 @@ def test_a_stress_does_not_depend_on_where_the_edge_lies(place, overdamped):
         assert moved == pytest.approx(expected, rel=1e-7)
 
 
+@pytest.mark.parametrize("eta", [0, 0.5])
+def test_elastic_grains_under_a_stress_keep_their_enthalpy(eta):
+    """Energies of fluctuations and of the cell, plus σ V, where a gas first expands by half."""
+    rng, pitch, columns, stress, m = np.random.default_rng(1), 0.25, 6, 200, material(0)
+    pressed(*(rcr.particle((pitch * (k // columns + 0.5), pitch * (k % columns + 0.5)),
+                           0.1 * rng.uniform(0.8, 1), eta, rng.uniform(0, 3), m,
+                           velocity=tuple(rng.normal(0, 1, 2))) for k in range(columns**2)),
+            size=columns * pitch, stress=(stress, stress), dt=1e-3, tolerance=1e-9,
+            maxIterations=5000, restitution=1)
+    mass = sum(b.state.mass for b in O.bodies)
+
+    def enthalpy():
+        size = np.diag(O.cell.hSize)[:2]
+        return (sum(0.5 * b.state.mass * O.cell.getFluctuationVelocity(b).squaredNorm()
+                    + 0.5 * b.state.inertia[2] * b.state.angVel[2] ** 2 for b in O.bodies)
+                + 0.5 * mass / 12 * (size**2 * np.diag(O.cell.velGrad)[:2] ** 2).sum()
+                + stress * size.prod())
+
+    steps(1)
+    before = enthalpy()
+    for _ in range(10):
+        steps(200)
+        assert enthalpy() == pytest.approx(before, rel=0.03)
+
+
 @pytest.mark.parametrize("tilt", [plane(0, 1e-3, 0, 0), plane(0, 0, 1e-3, 0),
                                   plane(0, 1e-3, 1e-3, 0)], ids=["xy", "yx", "both"])
 def test_a_slight_tilt_keeps_the_inertia_of_a_cell(tilt):
