@@ -61,7 +61,10 @@ def column(rng):
         height += 2 * size + gap
     rough = sum(not b["fixed"] for b in bodies) < 3 and all(len(b["parts"]) < 2 for b in bodies)
     cell = dict(sides=np.diag([6 * R, max(height, 6 * R)]),
-                gradient=rng.uniform(-0.03, 0.03, (2, 2)) * pick(0, 1) / dt)
+                gradient=rng.uniform(-0.03, 0.03, (2, 2)) * pick(0, 1) / dt,
+                stress=pick(None, 0, 0.01) if periodic else None)
+    if cell["stress"]:
+        cell["stress"] *= 1000.0 * R**2 / dt**2
     return dict(bodies=bodies, dt=dt, density=1000.0, verlet=0.1 * R,
                 friction=pick(0.0, 0.3, 0.3) if rough else 0.0,
                 gravity=0j if periodic else pick(0, 0.001, 0.05) * pick(-1j, 0.5 - 1j) * R / dt**2,
@@ -79,20 +82,44 @@ def settled(scene, rng):
         for old, new in zip(scene["bodies"], end)]}  # fmt: skip
 
 
-def transformed(scene, turn=1, flip=False, shift=0, step=1, length=1, time=1, density=1):
-    """The scene after a mirror in x, a turn and a shift, with bodies in another order and units."""
+def transformed(scene, turn=1, flip=False, shift=0, drift=0, step=1, length=1, time=1, density=1):
+    """The scene after a mirror in x, a turn and a shift, with bodies in another order and units.
+
+    `drift` is the change of the velocities with the shift.
+    """
     vector = lambda z: turn * (-z.conjugate() if flip else z)
     matrix = np.array([[vector(1).real, vector(1j).real], [vector(1).imag, vector(1j).imag]])
     tensor = lambda m: matrix @ m @ matrix.T
     shape = lambda p: {**p, "at": length * (vector(p["at"]) + shift), "size": length * p["size"],
                        "angle": cmath.phase(vector(cmath.rect(1, p["angle"])))}
-    bodies = [{**b, "v": vector(b["v"]) * length / time, "spin": (-1) ** flip * b["spin"] / time,
+    bodies = [{**b, "v": (vector(b["v"]) + drift) * length / time, "spin": (-1) ** flip * b["spin"] / time,
                "parts": [shape(p) for p in b["parts"][::step]]} for b in scene["bodies"][::step]]
     cell = {} if "sides" not in scene else dict(
-        sides=length * tensor(scene["sides"]), gradient=tensor(scene["gradient"]) / time)
+        sides=length * tensor(scene["sides"]), gradient=tensor(scene["gradient"]) / time,
+        stress=scene["stress"] and scene["stress"] * density * length**2 / time**2)
     return {**scene, "bodies": bodies, "gravity": vector(scene["gravity"]) * length / time**2,
             "dt": scene["dt"] * time, "verlet": scene["verlet"] * length,
             "density": scene["density"] * density, **cell}
+
+
+def times(gradient, z):
+    return complex(*(gradient @ [z.real, z.imag]))
+
+
+def shifts(scene, found, shift):
+    """Shift and drift of a moved scene, at its start and after each step that is found.
+
+    A cell moves its bodies with its flow: Δv = ΔG · r + dt G · v.
+    """
+    gradient = scene.get("gradient", np.zeros((2, 2)))
+    drift, before = times(gradient, shift), np.zeros((2, 2))
+    yield dict(shift=shift, drift=drift)
+    for end in found:
+        now = end.get("gradient", gradient)
+        drift += scene["dt"] * times(before, drift) + times(now - gradient, shift)
+        shift += scene["dt"] * drift
+        before = gradient = now
+        yield dict(shift=shift, drift=drift)
 
 
 def yade_body(p, material, fixed):
@@ -140,6 +167,9 @@ def build(scene, **options):
         O.cell.hSize = scenes.plane(*scene["sides"].flat) + Matrix3(
             0, 0, 0, 0, 0, 0, 0, 0, scene["sides"].max())
         O.cell.velGrad = scenes.plane(*scene["gradient"].flat)
+        if scene["stress"] is not None:
+            O.engines = [*O.engines[:3], rcr.CellStress(stress=2 * [scene["stress"]]),
+                         *O.engines[3:]]  # fmt: skip
     ids = [append(body, material) for body in scene["bodies"]]
     for body, (owner, parts) in zip(scene["bodies"], ids):
         flow, spin = mean_flow(scene, O.bodies[owner].state.pos)  # YADE adds it in the first step
@@ -180,7 +210,9 @@ def advance(scene, steps):
         if not solver().converged or deepest_overlap() > SLOP:
             break
         bodies = [moved(body, *of_body, start) for body, of_body in zip(scene["bodies"], ids)]
-        cell = {"sides": np.array(O.cell.hSize)[:2, :2].copy()} if "sides" in scene else {}
+        cell = {} if "sides" not in scene else {
+            "sides": np.array(O.cell.hSize)[:2, :2].copy(),
+            "gradient": np.array(O.cell.velGrad)[:2, :2].copy()}
         shifts = [center(owner) - at - O.dt * body["v"]
                   for body, at, (owner, _) in zip(bodies, before, ids)]
         found.append({**scene, "bodies": bodies, "shifts": shifts, **cell})

@@ -64,25 +64,26 @@ void CellStress::gatherCell(const NewtonIntegrator& integrator, rcr::Step& step)
 	for (const rcr::InverseMass& inverse : problem.inverseMass)
 		grains += inverse.mass();
 	if (grains == 0) return;
-	if (!step.overdamped && scene->cell->homoDeform == 0)
-		validation::refuse("CellStress moves the bodies with the cell, and O.cell.homoDeform = 0; "
-		                   "expected 2, the default.");
 	rcr::PeriodicCell& cell = step.cell;
 	const rcr::Vec2    size = lengths(cell);
 	const auto         load = [&](int axis, double length, double& inverse, double& rate) {
 		if (math::isnan(stress[axis])) return;
 		inverse = 12 / (double(mass) * grains * length * length);
-		if (step.overdamped) cell.gradient[axis][axis] = 0;
-		rate = -inverse * step.dt * double(stress[axis]) * cell.area();
-		cell.gradient[axis][axis] += rate;
+		double& g = cell.gradient[axis][axis];
+		if (step.overdamped) g = 0;
+		rate = -step.dt * (inverse * double(stress[axis]) * cell.area() + g * g);
+		g += rate;
 	};
 	load(0, size.x, problem.inverseStretchMass.x, cell.loadRate.x);
 	load(1, size.y, problem.inverseStretchMass.y, cell.loadRate.y);
 	if (!problem.stretches()) return;
+	if (!step.overdamped && scene->cell->homoDeform == 0)
+		validation::refuse("CellStress moves the bodies with the cell, and O.cell.homoDeform = 0; "
+		                   "expected 2, the default.");
 	problem.place.resize(step.bodies.size());
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const auto& b = (*scene->bodies)[id];
-		if (!b || (integrator.mask > 0 && !b->maskCompatible(integrator.mask))) continue;
+		if (!b || b->isClumpMember() || (integrator.mask > 0 && !b->maskCompatible(integrator.mask))) continue;
 		problem.place[id] = step.bodies[id].center;
 		if (!step.overdamped) continue; // else prescribed velocities remain
 		if (problem.inverseMass[id].x == 0) problem.place[id].x = 0;

@@ -1,7 +1,7 @@
 // Stresses of a periodic cell under Contact Dynamics. The cell stretches like a body with one
 // degree of freedom per axis:
 //
-//   M_a (g_a⁺ − g_a) = Σ f_a ℓ_a dt − σ_a V dt
+//   M_a (g_a⁺ − g_a + g_a² dt) = Σ f_a ℓ_a dt − σ_a V dt
 //
 // | symbol | unit  | meaning                                                                |
 // |--------|-------|------------------------------------------------------------------------|
@@ -12,7 +12,7 @@
 // | V      | m²    | area of the cell                                                       |
 // | M_a    | kg m² | `mass` · Σ m L_a² / 12, inertia of a uniform body against stretching   |
 //
-// A change of g changes the velocity of each body at r by δg ∘ r. The result then does not depend
+// The term g_a² dt lets a cell without forces move on at constant speed. A change of g changes the velocity of each body at r by δg ∘ r. The result then does not depend
 // on where the boundary lies, nor on the images that hold the bodies. Masses and forces are per
 // unit depth of the plane, as in contact_problem.hpp. Impulses and stretching are solved together.
 // A cell that followed the stress of the step before would oscillate, since rigid contacts bear any

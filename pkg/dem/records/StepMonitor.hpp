@@ -50,7 +50,7 @@ void checkFinite(const rcr::Step&, long iteration);
 void checkEnergy(const rcr::Step&, long iteration);
 
 /// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step, or
-/// press bodies of prescribed motion against each other across the boundary.
+/// press bodies against each other that cannot move along their normal.
 void checkCellStress(const rcr::Step&, long iteration);
 
 /// Mean and largest net force on a free grain or clump over the mean normal force of closed points

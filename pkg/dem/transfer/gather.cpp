@@ -132,8 +132,8 @@ namespace {
 			v = rcr::accelerated(body.velocity, inertia, externalForce(b),
 			        plane::toPlane(newton.gravity), step_.dt);
 			if (scene_.isPeriodic) {
-				const rcr::Vec2 change = plane::toPlane(Real(step_.dt) * (convection_ * s.vel));
-				v                      = v + rcr::PlanarVector { change.x, change.y, 0 };
+				body.convection = plane::toPlane(Real(step_.dt) * (convection_ * s.vel));
+				v               = v + rcr::PlanarVector { body.convection.x, body.convection.y, 0 };
 			}
 			step_.problem.inverseMass[b.getId()] = { inertia.freeX ? 1 / inertia.mass : 0,
 				inertia.freeY ? 1 / inertia.mass : 0,

@@ -12,7 +12,10 @@ constexpr double loadedClearance = 0.5;
 // a contact stays if its gap is below this share of the path, and below the slop
 constexpr double earlyArrival    = 0.01;
 
-static const PlanarVector& initial(const Step& step, int id) { return step.bodies[id].velocity; }
+static PlanarVector initial(const Step& step, int id)
+{
+	return step.stretched(id, step.initialVelocity(id));
+}
 
 /// Returns true if the points have changed their order since the beginning of the step. The
 /// first body has then turned against the second one.

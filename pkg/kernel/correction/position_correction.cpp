@@ -4,7 +4,8 @@
 
 namespace rcr {
 
-constexpr double largestShift = 1e-4; // over the radius of a body; of a wall, see wallLength
+// over the radius of a body; of a wall, see wallLength; also the largest strain of a cell
+constexpr double largestShift = 1e-4;
 constexpr int    sweeps       = 10;
 
 /// Half the smallest R₁ + R₂ of the contacts [m]. It replaces the radius of walls, which is 0.
@@ -43,19 +44,25 @@ void computeCorrection(Step& step, double beta, Workspace& workspace)
 		bias[k]          = recovery < 0 ? std::min(law, recovery) : law;
 	});
 	sweepWithBias(problem, bias, sweeps, step.displacement, step.strain, workspace);
+	step.strain       = step.dt * (step.strain - problem.stretchRate);
 	const double wall = wallLength(step);
-	// displacement over the radius
+	const auto   byStrain = [&](std::size_t id) {
+        const Vec2 d = componentwise(step.strain, problem.placeOf(int(id)));
+        return PlanarVector { d.x, d.y, 0 };
+	};
+	// displacement over the radius, without that by the strain
 	const double farthest = team.maximum(step.bodies.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
 		PlanarVector&   d    = step.displacement[id];
-		d                    = body.free ? step.dt * (d - problem.velocity[id]) : PlanarVector {};
+		d = body.free ? step.dt * (d - problem.velocity[id]) - byStrain(id) : PlanarVector {};
 		return maxSpeed(d, body.radius) / (body.radius > 0 ? body.radius : wall);
 	});
-	const double share = std::min(1.0, largestShift / farthest);
+	const double share = std::min(1.0,
+	        largestShift / std::max({ farthest, std::abs(step.strain.x), std::abs(step.strain.y) }));
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
-		step.displacement[id] = share * step.displacement[id];
+		step.displacement[id] = share * (step.displacement[id] + byStrain(id));
 	});
-	step.strain = (share * step.dt) * (step.strain - problem.stretchRate);
+	step.strain = share * step.strain;
 }
 
 } // namespace rcr

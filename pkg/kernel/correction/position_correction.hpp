@@ -7,8 +7,9 @@
 //
 // Only the overlap beyond the slop counts. In a barely rigid packing, the opening of one contact
 // would move other bodies far. The largest displacement of bodies and walls is therefore bounded,
-// and all displacements are scaled by the same factor. A cell that stretches is displaced with its
-// bodies. Source: Jourdan, Alart and Jean 1998.
+// and all displacements are scaled by the same factor. A cell that stretches is strained with all
+// its bodies; its strain is bounded, not the displacements by it. Source: Jourdan, Alart and Jean
+// 1998.
 #pragma once
 
 #include "problem/solver.hpp"

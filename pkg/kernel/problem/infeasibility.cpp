@@ -62,7 +62,7 @@ static double velocityChangeBound(
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		closing -= dot(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
-		// impulses move the image of body 2 through the stretch of the cell only
+		// impulses move the image of body 2 by the stretch of the cell
 		ContactPoint response = c;
 		response.drift        = componentwise(stretchRate, c.shift);
 		norm2 += dot(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));

@@ -10,8 +10,7 @@ public:
 	/// Copies the points with these numbers and their bodies, with impulses and velocities.
 	IslandProblem(const ContactProblem& whole, std::vector<std::int32_t> points);
 
-	/// Writes impulses and velocities to the whole problem, and the stretch rate if the island can
-	/// stretch the cell.
+	/// Writes impulses and velocities to the whole problem.
 	void store(ContactProblem& whole) const;
 
 	ContactProblem problem;

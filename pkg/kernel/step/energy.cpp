@@ -11,18 +11,21 @@ StepEnergy stepEnergy(const Step& step, const std::vector<PlanarVector>& impulse
 		// both with the stretch rate at the end and the load, as the work on the cell
 		const LocalVector after  = relativeVelocity(problem, c),
 		                  before = relativeVelocity(
-		                          c, step.startVelocity(c.body1), step.startVelocity(c.body2));
+		                          c, step.stretched(c.body1, step.bodies[c.body1].velocity),
+		                          step.stretched(c.body2, step.bodies[c.body2].velocity));
 		const double        rubbed = -0.5 * problem.impulse[k].t * (before.t + after.t);
 		// restitution reverses the slip: its energy belongs to the impact
 		const bool          returns = c.bias < 0 && rubbed < 0;
 		(returns ? energy.impact : energy.friction) += rubbed;
 		energy.impact -= 0.5 * problem.impulse[k].n * (before.n + after.n);
-		energy.driven += problem.impulse[k].n * dot(c.drift, c.normal)
-		        + problem.impulse[k].t * dot(c.drift, perp(c.normal)); // work on the cell
+		// work on the cell, also by the bodies that it moves
+		const Vec2 moved = step.cell.drift(problem.placeOf(c.body2) - problem.placeOf(c.body1));
+		energy.driven += dot(toCartesian(c.normal, problem.impulse[k]), c.drift + moved);
 	}
 	for (std::size_t id = 0; id < impulses.size(); ++id) {
 		const InverseMass&  inverse = problem.inverseMass[id];
-		const PlanarVector before = step.startVelocity(int(id)), &after = problem.velocity[id];
+		const PlanarVector before = step.stretched(int(id), step.bodies[id].velocity),
+		                   &after = problem.velocity[id];
 		if (inverse.x == 0) energy.driven += 0.5 * impulses[id].x * (before.x + after.x);
 		if (inverse.y == 0) energy.driven += 0.5 * impulses[id].y * (before.y + after.y);
 		if (inverse.rotation == 0)

@@ -56,6 +56,7 @@ struct StepBody {
 	Vec2          center;
 	Turn          turn;
 	PlanarVector  velocity;          // at the beginning of the step
+	Vec2          convection;        // change of the velocity by the flow of a cell [m/s]
 	double        radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
 	double        alertDistance = 0; // distance within which its contacts were detected [m]
 	// longest path that detection covers [m]; infinite for prescribed bodies other than clump
@@ -197,20 +198,23 @@ struct Step {
 		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].atStart };
 	}
 
-	/// u of a point at the beginning of the step, before loads and contacts stretch the cell [m/s].
+	/// Velocity of a body without loads and contacts in this step.
+	PlanarVector initialVelocity(int id) const
+	{
+		const StepBody& body = bodies[id];
+		return body.velocity + PlanarVector { body.convection.x, body.convection.y, 0 };
+	}
+	/// u of a point without loads and contacts in this step [m/s].
 	LocalVector initialVelocity(const ContactPoint& c) const
 	{
 		return relativeVelocityWithoutStretch(c, problem.stretchRate + cell.loadRate,
-		        bodies[c.body1].velocity, bodies[c.body2].velocity);
+		        initialVelocity(c.body1), initialVelocity(c.body2));
 	}
-
-	/// Velocity at the beginning of the step in the flow of the cell at its end.
-	PlanarVector startVelocity(int id) const
+	/// A velocity of a body plus its change by the stretch of the cell in this step.
+	PlanarVector stretched(int id, const PlanarVector& v) const
 	{
-		const Vec2 stretch = componentwise(problem.stretchRate + cell.loadRate, problem.placeOf(id));
-		PlanarVector v     = bodies[id].velocity;
-		v.x += stretch.x, v.y += stretch.y;
-		return v;
+		const Vec2 change = componentwise(problem.stretchRate + cell.loadRate, problem.placeOf(id));
+		return v + PlanarVector { change.x, change.y, 0 };
 	}
 
 	/// A detected point as a point of the problem, with the bias of the law:

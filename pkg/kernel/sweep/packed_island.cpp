@@ -16,8 +16,7 @@ LocalVector PackedIsland::relativeVelocity(const View<Real>& view, const Overflo
 	const Real *   v1 = view.recordAt(c.record1), *v2 = view.recordAt(c.record2);
 	constexpr bool whole = std::is_same_v<Real, double>; // or relative to the reference
 	Vec2 u { double(v2[record::x]) - v1[record::x], double(v2[record::y]) - v1[record::y] };
-	// other islands must not read the rate, which this one changes
-	if (stretches()) u = u + componentwise(packed_.stretchRate_, c.stretchArm);
+	if (packed_.stretches_) u = u + componentwise(packed_.stretchRate_, c.stretchArm);
 	const double       spin1 = c.wholeRecords ? v1[record::spin] : 0;
 	const double       spin2 = c.wholeRecords ? v2[record::spin] : 0;
 	const LocalVector& rest  = whole ? c.drift : c.reference;
@@ -41,6 +40,9 @@ void PackedIsland::applyImpulse(
 	};
 	push(c.record1, c.mass1, -1, p.n * c.lever1n + p.t * c.lever1t);
 	push(c.record2, c.mass2, +1, p.n * c.lever2n + p.t * c.lever2t);
+	if (!packed_.stretches_ || packed_.cellLags_) return;
+	packed_.stretchRate_ = packed_.stretchRate_
+	        + componentwise(packed_.inverseStretchMass_, componentwise(c.stretchArm, f));
 }
 
 /// The impulse that solves the point, other impulses fixed. The velocities contain impulse p.
@@ -58,17 +60,13 @@ LocalVector PackedIsland::solve(
 /// The impulses on free bodies follow from their velocities.
 Vec2 PackedIsland::stretchRateLag()
 {
-	if (!stretches()) return {};
-	const double* const free = packed_.freeBody_.data()->of;
-	const Vec2          rate = packed_.stretchRate_;
-	Vec2                moment;
-	for (int k = 0; k < island_.overflowRecords.end; ++k) { // of the only island
-		const auto&         of   = packed_.carried_[k];
-		const double* const v    = view_.recordAt(k);
-		const double* const from = free + offsetOf(k);
-		moment.x += of.place.x * of.mass.x * (v[0] - from[0] - rate.x * of.place.x);
-		moment.y += of.place.y * of.mass.y * (v[1] - from[1] - rate.y * of.place.y);
-	}
+	if (!packed_.cellLags_) return {};
+	const Vec2 rate   = packed_.stretchRate_;
+	Vec2       moment = -1 * packed_.freeMoment_ - componentwise(rate, packed_.carriedInertia_);
+	forEachCarried([&](const double* v, const PackedProblem::Carried& of) {
+		moment.x += of.moment.x * v[record::x];
+		moment.y += of.moment.y * v[record::y];
+	});
 	forEachOverflowPoint([&](const OverflowPoint& c) {
 		moment = moment + componentwise(c.stretchArm, toCartesian(c.normal, c.p));
 	});
@@ -78,12 +76,11 @@ Vec2 PackedIsland::stretchRateLag()
 /// Adds to the stretch rate, and to the velocities of all bodies.
 void PackedIsland::stretchBy(Vec2 rate)
 {
-	if (!stretches()) return;
-	for (int k = 0; k < island_.overflowRecords.end; ++k) {
-		double* const v = view_.recordAt(k);
-		v[0] += rate.x * packed_.carried_[k].place.x;
-		v[1] += rate.y * packed_.carried_[k].place.y;
-	}
+	if (!packed_.cellLags_) return;
+	forEachCarried([&](double* v, const PackedProblem::Carried& of) {
+		v[record::x] += rate.x * of.place.x;
+		v[record::y] += rate.y * of.place.y;
+	});
 	packed_.stretchRate_ = packed_.stretchRate_ + rate;
 }
 
@@ -104,7 +101,7 @@ void PackedIsland::recomputeVelocities()
 {
 	if (state_.velocityRecomputed) return;
 	const double* const free = packed_.freeBody_.data()->of;
-	if (stretches()) packed_.stretchRate_ = {};
+	if (packed_.stretches_) packed_.stretchRate_ = {};
 	forEachRecords([&](const Range& records) {
 		std::copy(free + offsetOf(records.begin), free + offsetOf(records.end),
 		        view_.recordAt(records.begin));
@@ -128,7 +125,7 @@ void PackedIsland::sweep(double relaxation)
 			c.p = p;
 		});
 	});
-	stretchBy(packed_.cellRelaxation_ * stretchRateLag());
+	stretchBy(stretchRateLag());
 }
 
 double PackedIsland::sweepMomentum(double momentum, const Yielding& yielding)
@@ -151,7 +148,7 @@ double PackedIsland::sweepMomentum(View<Real>& view, const SweepKernels<Real>& k
 	};
 	std::swap(view.body, view.oldBody);
 	extrapolate(island_.overflowRecords);
-	if (stretches()) {
+	if (packed_.stretches_) {
 		const Vec2 now          = packed_.stretchRate_;
 		packed_.stretchRate_    = now + momentum * (now - packed_.oldStretchRate_);
 		packed_.oldStretchRate_ = now;
@@ -177,7 +174,7 @@ double PackedIsland::sweepMomentum(View<Real>& view, const SweepKernels<Real>& k
 		c.p   = next;
 		change2 += square(next - from);
 	});
-	stretchBy(packed_.cellRelaxation_ * stretchRateLag());
+	stretchBy(stretchRateLag());
 	return change2;
 }
 
@@ -202,7 +199,7 @@ Measures PackedIsland::measure(
 	});
 	Measures total = sum(packed_.partial_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		total += measuresOf(c.p, relativeVelocity(view, c), c.bias, c.friction, c.w.nn);
+		total += measuresOf(c.p, relativeVelocity(view, c), c.bias, c.friction, c.ownNn);
 	});
 	return total;
 }

@@ -76,9 +76,15 @@ private:
 		state_.velocityRecomputed = false;
 		state_.measures.reset();
 	}
-	bool stretches() const { return island_.cell; }
 	Vec2 stretchRateLag();
 	void stretchBy(Vec2 rate);
+	/// Calls visit(velocity of a record, its stretch) for the bodies of a stretching cell.
+	template <class Visit> void forEachCarried(Visit visit)
+	{
+		// the only island
+		for (int k = 0; k < island_.overflowRecords.end; k += island_.halfRecords ? 1 : 2)
+			visit(view_.recordAt(k), packed_.carried_[k]);
+	}
 	/// Calls work(view, kernels) with those of the present precision.
 	template <class Work> auto inPrecision(Work work)
 	{

@@ -28,6 +28,16 @@ static double spinSlip(const ContactProblem& problem, const ContactPoint& c)
 	        - problem.freeVelocity[c.body1].rotation * dot(c.arm1, c.normal);
 }
 
+/// w of a point with the response of the cell.
+static Delassus withStretch(const ContactProblem& problem, const ContactPoint& c)
+{
+	const Vec2  arm  = problem.stretchArm(c);
+	const Vec2  cell = componentwise(problem.inverseStretchMass, componentwise(arm, arm));
+	InverseMass m2   = problem.inverseMass[c.body2];
+	m2.x += cell.x, m2.y += cell.y;
+	return delassus(c, problem.inverseMass[c.body1], m2);
+}
+
 // ---- input
 
 void PackedProblem::load(const ContactProblem& problem, int lanes, const Reductions& reductions)
@@ -36,6 +46,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	singleKernels_   = &singleKernels(lanes);
 	const auto start = std::chrono::steady_clock::now();
 	const bool isNew = layout_.update(problem, reductions, team);
+	stretches_       = problem.stretches();
+	cellLags_        = layout_.cellLags();
 	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
 	                          .count();
 	if (isNew) {
@@ -91,35 +103,29 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 /// The part of a body's place whose stretch its record holds [m].
 Vec2 PackedProblem::carriedPlace(const ContactProblem& problem, int body) const
 {
+	if (!cellLags_) return {};
 	const InverseMass& m = problem.inverseMass[body];
 	const Vec2         r = problem.placeOf(body) - cellOrigin_;
 	return { m.x > 0 ? r.x : 0, m.y > 0 ? r.y : 0 };
 }
 
-/// The stretch rate lags behind the sweeps, so its response T must not exceed that of a contact. A
-/// cell of little inertia is relaxed by 2/(2 + T/w).
 void PackedProblem::loadCell(const ContactProblem& problem)
 {
 	inverseStretchMass_ = problem.inverseStretchMass;
-	stretchRate_        = {};
-	carried_.clear();
-	if (!problem.stretches()) return;
+	stretchRate_ = cellOrigin_ = freeMoment_ = carriedInertia_ = {};
+	if (!stretches_) return;
 	if (!problem.points.empty()) cellOrigin_ = problem.placeOf(problem.points[0].body1);
-	carried_.resize(layout_.records());
+	carried_.assign(layout_.records(), {});
 	for (int i = 0; i < int(problem.inverseMass.size()); ++i) {
-		const InverseMass& m         = problem.inverseMass[i];
-		carried_[layout_.record(i)] = { carriedPlace(problem, i),
-			{ m.x > 0 ? 1 / m.x : 0, m.y > 0 ? 1 / m.y : 0 } };
+		if (layout_.island(i) == none) continue;
+		const InverseMass&  m     = problem.inverseMass[i];
+		const PlanarVector& v     = problem.freeVelocity[i];
+		const Vec2          place = carriedPlace(problem, i);
+		const Vec2 moment { m.x > 0 ? place.x / m.x : 0, m.y > 0 ? place.y / m.y : 0 };
+		carried_[layout_.record(i)] = { place, moment };
+		freeMoment_                 = freeMoment_ + componentwise(moment, { v.x, v.y });
+		carriedInertia_             = carriedInertia_ + componentwise(moment, place);
 	}
-	double cell = 0, least = std::numeric_limits<double>::infinity();
-	for (const ContactPoint& c : problem.points) {
-		const double w = delassus(problem, c).nn;
-		if (w <= 0) continue;
-		const Vec2 arm = problem.stretchArm(c);
-		cell += dot(inverseStretchMass_, componentwise(arm, arm));
-		least = std::min(least, w);
-	}
-	cellRelaxation_ = 2 / (2 + cell / least);
 }
 
 /// Finds the islands that have yielded in an earlier pass of the step.
@@ -221,6 +227,8 @@ void PackedProblem::addToOverflow(
 		const Vec2          drift = c.freeDrift(problem.stretchRate), t = perp(c.normal);
 		if (w.nn <= 0) continue;
 		OverflowPoint to {};
+		to.w     = stretches_ && !cellLags_ ? withStretch(problem, c) : w;
+		to.ownNn = w.nn;
 		to.record1      = layout_.record(c.body1);
 		to.record2      = layout_.record(c.body2);
 		to.point        = k;
@@ -238,7 +246,6 @@ void PackedProblem::addToOverflow(
 		        - uncarriedPlace(problem, c.body1);
 		to.bias         = c.bias;
 		to.friction     = c.friction;
-		to.w            = w;
 		to.p = to.old = initialImpulse(problem, k);
 		overflow_.push_back(to);
 	}
@@ -314,7 +321,7 @@ void PackedProblem::store(ContactProblem& problem)
 	for (const OverflowPoint& c : overflow_)
 		problem.impulse[c.point] = c.p;
 	storeVelocity(problem, problem.velocity);
-	if (problem.stretches()) problem.setStretchRate(stretchRate_);
+	if (stretches_) problem.setStretchRate(stretchRate_);
 }
 
 void PackedProblem::storeVelocity(
@@ -327,7 +334,7 @@ void PackedProblem::storeVelocity(
 		velocity[i]     = problem.freeVelocity[i];
 		velocity[i].x   = v[record::x];
 		velocity[i].y   = v[record::y];
-		if (problem.stretches()) { // the record of a body without contacts has no stretch
+		if (stretches_) { // the record of a body without contacts has no stretch
 			const Vec2 carried = layout_.island(i) == none ? Vec2 {} : carriedPlace(problem, i);
 			const Vec2 rest    = componentwise(stretchRate_, problem.placeOf(i) - carried);
 			velocity[i].x += rest.x, velocity[i].y += rest.y;

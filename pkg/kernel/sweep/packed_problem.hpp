@@ -59,7 +59,8 @@ private:
 		InverseMass  mass1, mass2;
 		Vec2         stretchArm; // without the places of records
 		double       bias, friction;
-		Delassus     w;
+		Delassus     w;       // with the stretch of a cell, unless its rate lags
+		double       ownNn;   // w_nn without it
 		LocalVector  p, old;
 		LocalVector  reference; // u of the reference of floats
 		LocalVector  saved;     // p
@@ -124,15 +125,18 @@ private:
 	std::vector<Measures> partial_;
 	std::vector<double>   sum_;
 
-	/// Place and mass of a body that a stretching cell moves; 0 along prescribed axes.
+	/// Place of a body, and times its mass: what its record holds of the stretch of a cell. 0 along
+	/// prescribed axes, and unless the rate lags.
 	struct Carried {
-		Vec2 place, mass;
+		Vec2 place, moment;
 	};
 	// of a stretching cell, whose points all belong to one island
-	std::vector<Carried> carried_; // per half record
-	Vec2                 cellOrigin_; // of all places: near the bodies, to keep rounding small
+	std::vector<Carried> carried_;          // per half record
+	Vec2                 cellOrigin_;       // of all places: near the bodies, to keep rounding small
+	Vec2                 freeMoment_, carriedInertia_; // Σ moment ∘ v_free, Σ moment ∘ place
 	Vec2                 inverseStretchMass_, stretchRate_, oldStretchRate_;
-	double               cellRelaxation_ = 1; // of the stretch rate in a sweep
+	bool                 stretches_ = false;
+	bool                 cellLags_  = false; // the rate changes after each sweep, not in it
 
 	ParallelChoice sweepChoice_; // of large islands
 	ModelSummary   summary_;

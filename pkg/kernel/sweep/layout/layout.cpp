@@ -47,14 +47,31 @@ namespace {
 			parts[k].pairs = { begin[k], begin[k + 1] };
 	}
 
+	/// Returns true if the stretch rate of a cell may lag behind a sweep: the cell responds less to all
+	/// impulses together than each contact to its own. Momentum needs a margin of two.
+	bool mayLag(const ContactProblem& problem)
+	{
+		if (!problem.stretches()) return false;
+		double cell = 0, least = std::numeric_limits<double>::infinity();
+		for (const ContactPoint& c : problem.points) {
+			const double w = delassus(problem, c).nn;
+			if (w <= 0) continue;
+			const Vec2 arm = problem.stretchArm(c);
+			cell += dot(problem.inverseStretchMass, componentwise(arm, arm));
+			least = std::min(least, w);
+		}
+		return cell < 0.5 * least;
+	}
+
 } // namespace
 
 bool Layout::update(const ContactProblem& problem, const Reductions& reductions, ThreadTeam& team)
 {
 	const bool sameReductions = reductions == reductions_;
 	reductions_               = reductions;
-	const bool sameCell       = stretches_ == problem.stretches();
-	stretches_                = problem.stretches();
+	const bool lags = mayLag(problem);
+	const bool sameCell = stretches_ == problem.stretches() && cellLags_ == lags;
+	stretches_ = problem.stretches(), cellLags_ = lags;
 	const bool sameBodies = classifyBodies(problem), samePairs = findPairs(problem, team);
 	if (sameReductions && sameCell && sameBodies && samePairs && reductions.layout) return false;
 	findIslands();
@@ -142,7 +159,7 @@ bool Layout::packable(const PackedPair& pair) const
 {
 	const BodyKind a = bodyKind_[pair.body1], b = bodyKind_[pair.body2];
 	if (pair.crossesMovingCell) return false;
-	if (stretches_) return a == BodyKind::regular && b == BodyKind::regular;
+	if (stretches_) return cellLags_ && a == BodyKind::regular && b == BodyKind::regular;
 	return (a == BodyKind::regular && b != BodyKind::special)
 	        || (b == BodyKind::regular && a != BodyKind::special);
 }

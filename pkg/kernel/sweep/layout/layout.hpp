@@ -12,7 +12,8 @@
 //
 // The overflow is solved pair after pair. It contains pairs without a colour, pairs of special
 // bodies, and pairs across the boundary of a moving cell. All pairs of a small island belong to it.
-// A small island would leave most slots empty.
+// A small island would leave most slots empty. A cell that may stretch is one island. Its pairs with
+// prescribed bodies are overflow too, and all its pairs if its stretch rate must not lag.
 #pragma once
 
 #include "problem/contact_problem.hpp"
@@ -65,7 +66,6 @@ struct Island {
 	std::int32_t points      = 0;
 	bool         shared      = false; // several threads sweep it
 	bool         halfRecords = false; // not small, and all its pairs are frictionless discs
-	bool         cell        = false; // contains all pairs of a cell that may stretch
 	Range        pairs;               // in Layout::byIsland
 	Range        overflowRecords;     // of the bodies with overflow pairs only
 	Range        partitions, interfaces; // in Layout::sections
@@ -76,6 +76,9 @@ class Layout {
 public:
 	/// Updates the layout. Returns false if nothing has changed.
 	bool update(const ContactProblem&, const Reductions&, ThreadTeam&);
+
+	/// Returns true if the stretch rate of the cell may lag behind a sweep; false: none stretches.
+	bool cellLags() const { return cellLags_; }
 
 	const std::vector<PackedPair>& pairs() const { return pairs_; } // in the order of the problem
 	std::vector<PairBlock>&        pairBlocks() { return pairBlocks_; }
@@ -140,7 +143,7 @@ private:
 	int  appendRecords(int count);
 
 	Reductions                    reductions_;
-	bool                          stretches_ = false; // the cell may stretch
+	bool                          stretches_ = false, cellLags_ = false; // of the cell
 	std::vector<BodyKind>         bodyKind_;
 	std::vector<PointKey>         pointKeys_;
 	std::vector<PackedPair>       pairs_;

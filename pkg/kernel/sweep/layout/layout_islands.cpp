@@ -22,7 +22,6 @@ void Layout::findIslands()
 		if (island == none) {
 			island = int(islands_.size());
 			islands_.push_back({});
-			islands_.back().cell = stretches_;
 		}
 		for (int one : { pair.body1, pair.body2 })
 			if (moves(one)) island_[one] = island;
