@@ -65,18 +65,12 @@ Matrix3r nextGradient(const Cell& cell)
 	                                                                   : cell.velGrad;
 }
 
-rcr::Vec2 inEdges(const Cell& cell, rcr::Vec2 v)
+Vector3i cellsOf(const Cell& cell, rcr::Vec2 v)
 {
 	const Matrix3r& h           = cell.hSize;
 	const double    determinant = double(h(0, 0) * h(1, 1) - h(0, 1) * h(1, 0));
-	return { (double(h(1, 1)) * v.x - double(h(0, 1)) * v.y) / determinant,
-		(double(h(0, 0)) * v.y - double(h(1, 0)) * v.x) / determinant };
-}
-
-Vector3i cellsOf(const Cell& cell, rcr::Vec2 v)
-{
-	const rcr::Vec2 edges = inEdges(cell, v);
-	return { int(std::round(edges.x)), int(std::round(edges.y)), 0 };
+	return { int(std::round((double(h(1, 1)) * v.x - double(h(0, 1)) * v.y) / determinant)),
+		int(std::round((double(h(0, 0)) * v.y - double(h(1, 0)) * v.x) / determinant)), 0 };
 }
 
 rcr::PeriodicCell cellOf(const Scene& scene)

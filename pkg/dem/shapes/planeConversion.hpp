@@ -31,9 +31,7 @@ inline rcr::Flow flowOf(const Matrix3r& gradient)
 /// Velocity gradient that NewtonIntegrator will apply next [1/s].
 Matrix3r nextGradient(const Cell&);
 
-/// Coordinates of a vector along the first two edges of the cell [edges].
-rcr::Vec2 inEdges(const Cell&, rcr::Vec2);
-/// The same rounded, with 0 along z.
+/// A vector as a sum of edges of the cell, rounded; 0 along z.
 Vector3i cellsOf(const Cell&, rcr::Vec2);
 
 /// The periodic cell of a scene with nextGradient.

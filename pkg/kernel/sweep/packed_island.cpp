@@ -56,34 +56,6 @@ LocalVector PackedIsland::solve(
 	return solveCoulomb(c.w, gn, gt, c.friction);
 }
 
-/// The stretch rate that the impulses cause, M_c⁻¹ Σ f ∘ (r₂ + s − r₁), less the present one [1/s].
-/// The impulses on free bodies follow from their velocities.
-Vec2 PackedIsland::stretchRateLag()
-{
-	if (!packed_.cellLags_) return {};
-	const Vec2 rate   = packed_.stretchRate_;
-	Vec2       moment = -1 * packed_.freeMoment_ - componentwise(rate, packed_.carriedInertia_);
-	forEachCarried([&](const double* v, const PackedProblem::Carried& of) {
-		moment.x += of.moment.x * v[record::x];
-		moment.y += of.moment.y * v[record::y];
-	});
-	forEachOverflowPoint([&](const OverflowPoint& c) {
-		moment = moment + componentwise(c.stretchArm, toCartesian(c.normal, c.p));
-	});
-	return componentwise(packed_.inverseStretchMass_, moment) - rate;
-}
-
-/// Adds to the stretch rate, and to the velocities of all bodies.
-void PackedIsland::stretchBy(Vec2 rate)
-{
-	if (!packed_.cellLags_) return;
-	forEachCarried([&](double* v, const PackedProblem::Carried& of) {
-		v[record::x] += rate.x * of.place.x;
-		v[record::y] += rate.y * of.place.y;
-	});
-	packed_.stretchRate_ = packed_.stretchRate_ + rate;
-}
-
 // ---- the steps of the solvers
 
 void PackedIsland::prepare()

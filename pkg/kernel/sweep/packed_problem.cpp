@@ -28,16 +28,6 @@ static double spinSlip(const ContactProblem& problem, const ContactPoint& c)
 	        - problem.freeVelocity[c.body1].rotation * dot(c.arm1, c.normal);
 }
 
-/// w of a point with the response of the cell.
-static Delassus withStretch(const ContactProblem& problem, const ContactPoint& c)
-{
-	const Vec2  arm  = problem.stretchArm(c);
-	const Vec2  cell = componentwise(problem.inverseStretchMass, componentwise(arm, arm));
-	InverseMass m2   = problem.inverseMass[c.body2];
-	m2.x += cell.x, m2.y += cell.y;
-	return delassus(c, problem.inverseMass[c.body1], m2);
-}
-
 // ---- input
 
 void PackedProblem::load(const ContactProblem& problem, int lanes, const Reductions& reductions)
@@ -98,34 +88,6 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	});
 	oldBody_        = body_;
 	oldStretchRate_ = stretchRate_;
-}
-
-/// The part of a body's place whose stretch its record holds [m].
-Vec2 PackedProblem::carriedPlace(const ContactProblem& problem, int body) const
-{
-	if (!cellLags_) return {};
-	const InverseMass& m = problem.inverseMass[body];
-	const Vec2         r = problem.placeOf(body) - cellOrigin_;
-	return { m.x > 0 ? r.x : 0, m.y > 0 ? r.y : 0 };
-}
-
-void PackedProblem::loadCell(const ContactProblem& problem)
-{
-	inverseStretchMass_ = problem.inverseStretchMass;
-	stretchRate_ = cellOrigin_ = freeMoment_ = carriedInertia_ = {};
-	if (!stretches_) return;
-	if (!problem.points.empty()) cellOrigin_ = problem.placeOf(problem.points[0].body1);
-	carried_.assign(layout_.records(), {});
-	for (int i = 0; i < int(problem.inverseMass.size()); ++i) {
-		if (layout_.island(i) == none) continue;
-		const InverseMass&  m     = problem.inverseMass[i];
-		const PlanarVector& v     = problem.freeVelocity[i];
-		const Vec2          place = carriedPlace(problem, i);
-		const Vec2 moment { m.x > 0 ? place.x / m.x : 0, m.y > 0 ? place.y / m.y : 0 };
-		carried_[layout_.record(i)] = { place, moment };
-		freeMoment_                 = freeMoment_ + componentwise(moment, { v.x, v.y });
-		carriedInertia_             = carriedInertia_ + componentwise(moment, place);
-	}
 }
 
 /// Finds the islands that have yielded in an earlier pass of the step.
@@ -227,7 +189,7 @@ void PackedProblem::addToOverflow(
 		const Vec2          drift = c.freeDrift(problem.stretchRate), t = perp(c.normal);
 		if (w.nn <= 0) continue;
 		OverflowPoint to {};
-		to.w     = stretches_ && !cellLags_ ? withStretch(problem, c) : w;
+		to.w     = sweepDelassus(problem, c);
 		to.ownNn = w.nn;
 		to.record1      = layout_.record(c.body1);
 		to.record2      = layout_.record(c.body2);

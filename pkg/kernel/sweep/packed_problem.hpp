@@ -59,8 +59,8 @@ private:
 		InverseMass  mass1, mass2;
 		Vec2         stretchArm; // without the places of records
 		double       bias, friction;
-		Delassus     w;       // with the stretch of a cell, unless its rate lags
-		double       ownNn;   // w_nn without it
+		Delassus     w;     // sweepDelassus
+		double       ownNn; // w_nn of the bodies alone
 		LocalVector  p, old;
 		LocalVector  reference; // u of the reference of floats
 		LocalVector  saved;     // p
@@ -68,12 +68,15 @@ private:
 
 	void findYielded(const ContactProblem&);
 	void loadCell(const ContactProblem&);
+	/// Part of the place of a body whose stretch its record holds [m].
 	Vec2 carriedPlace(const ContactProblem&, int body) const;
 	/// The rest of its place [m].
 	Vec2 uncarriedPlace(const ContactProblem& problem, int body) const
 	{
 		return problem.placeOf(body) - cellOrigin_ - carriedPlace(problem, body);
 	}
+	/// w of a point in sweeps; it includes the stretch of a cell unless its rate lags.
+	Delassus sweepDelassus(const ContactProblem&, const ContactPoint&) const;
 	void loadBody(const ContactProblem&, int body, int record, bool half);
 	void recomputeVelocities();
 	void fill(const ContactProblem&, const PackedPair&);
@@ -133,7 +136,8 @@ private:
 	// of a stretching cell, whose points all belong to one island
 	std::vector<Carried> carried_;          // per half record
 	Vec2                 cellOrigin_;       // of all places: near the bodies, to keep rounding small
-	Vec2                 freeMoment_, carriedInertia_; // Σ moment ∘ v_free, Σ moment ∘ place
+	Vec2                 freeMoment_;       // Σ moment ∘ v_free
+	Vec2                 carriedInertia_;   // Σ moment ∘ place
 	Vec2                 inverseStretchMass_, stretchRate_, oldStretchRate_;
 	bool                 stretches_ = false;
 	bool                 cellLags_  = false; // the rate changes after each sweep, not in it
