@@ -88,6 +88,11 @@ TABLE = {
         ("special-bodies-packed", "|| !packable(pair)) return none;", ") return none;"),
         ("threads-share-small-islands", "pairs > maxSerialIsland", "pairs > 0"),
         ("levers-of-one-body", "(c.body1, c.arm1) || lever(c.body2, c.arm2)", "(c.body1, c.arm1)"),
+        ("light-cells-lag", "return cell < 0.5 * least;", "return true;"),
+    ],
+    "sweep/packed_cell.cpp": [
+        ("free-fall-stretches", "moment = -1 * packed_.freeMoment_ - ", "moment = -1 * "),
+        ("light-cells-meet-no-inertia", "if (!stretches_ || cellLags_) return", "if (true) return"),
     ],
     "sweep/layout/layout_blocks.cpp": [
         ("driven-bodies-share-a-record", "if (moves(body)) return offsetOf(", "return offsetOf("),

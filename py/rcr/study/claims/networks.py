@@ -161,7 +161,7 @@ def _(v):
 
 
 @claim("O16", "a_lt < 0 and monotonic in ξ",
-       "a_lt(∞) < 0; it rises with ξ by at most 10 % of its range or two errors, for η > 0", LONG)
+       "a_lt(∞) < 0; no rise with ξ beyond 10 % of its range or two errors, for η > 0", LONG)
 def _(v):
     smooth, _ = is_monotonic(v, "a_lt", -1)
     value = v["a_lt"][:, -1]
@@ -199,7 +199,7 @@ def _(v):
 
 
 claim("O17", "a_ft rises with ξ",
-      "it falls with ξ by at most 10 % of its range or two errors, at every η (largest given)")(
+      "no fall with ξ beyond 10 % of its range or two errors, at every η (largest given)")(
     lambda v: is_monotonic(v, "a_ft", +1))
 claim("O17", "a_ft rises with η", "slope of a_ft(∞) positive beyond two errors")(
     lambda v: trend(v | dict(whole=v["a_ft"][:, -1]), "whole", +1))
