@@ -18,6 +18,7 @@ from rcr._data import checks
 from rcr._pictures import grain_outlines as _outlines
 from rcr.frame import Frame
 
+MOST_CELLS = 10**7
 SAMPLES = 8  # sample points along and across a grain, and along each half of a branch vector
 
 QUANTITIES = dict(
@@ -49,6 +50,8 @@ class Profile:
             raise checks.error("cells", cells, "two numbers, along x and along y")
         self.cells = tuple(checks.integer(f"cells[{k}]", n, "at least 1", lambda v: v >= 1)
                            for k, n in enumerate(cells))
+        if math.prod(self.cells) > MOST_CELLS:
+            raise checks.error("cells", cells, f"at most {MOST_CELLS} cells")
         self._given = None if limits is None else checks.rectangle("limits", limits)
         self.limits = self._given
         self._sums, self._moments = None, 0

@@ -5,6 +5,7 @@ Masses and forces are per unit depth: kg and N per metre. The functions that mak
 """
 
 import math
+import numbers
 from collections.abc import Sequence
 
 import numpy as np
@@ -150,8 +151,7 @@ def wall(axis, position, sense=0, velocity=0, material=-1):
     expected = "'x' or 'y' (or 0 or 1), the axis of the wall's normal"
     k = "xy".index(axis) if axis in ("x", "y") else checks.integer(
         "axis", axis, expected, lambda v: v in (0, 1))
-    if sense not in (-1, 0, 1):
-        raise checks.error("sense", sense, "+1, −1, or 0 for both sides")
+    sense = checks.integer("sense", sense, "+1, −1, or 0 for both sides", lambda v: abs(v) <= 1)
     position = _number("position", position, "a finite coordinate [m]")
     body = utils.wall(position, k, sense=sense, material=_material(material))
     body.state.vel[k] = _number("velocity", velocity, "a finite velocity [m/s]")
@@ -198,7 +198,7 @@ def _grain(
     density = _number("material.density", material.density, expected, _positive)
     body = Body(shape=shape, material=material)
     state = body.state
-    state.mass = density * area
+    state.mass = _number("density × area", density * area, "a finite mass > 0 [kg]", _positive)
     # the moment about z alone acts, but YADE requires three positive ones
     state.inertia = Vector3(1, 1, 1) * (density * polar_moment)
     state.pos = state.refPos = _point("center", center)
@@ -211,8 +211,8 @@ def _grain(
     expected = "a finite angular velocity [1/s]"
     state.angVel = Vector3(0, 0, _number("angular_velocity", angular_velocity, expected))
     state.blockedDOFs = "xyzXYZ" if fixed else "zXY"
-    shape.color = Vector3(*color) if color is not None else utils.randomColor()
-    body.mask = mask
+    shape.color = _color(color) if color is not None else utils.randomColor()
+    body.mask = checks.integer("mask", mask, "a mask of 32 bits", lambda v: -(2**31) <= v < 2**31)
     return body
 
 
@@ -224,10 +224,22 @@ def _material(material):
     """Return a material from itself, its id or its label."""
     if material == -1 and len(O.materials) == 0:
         O.materials.append(utils.defaultMaterial())
-    material = O.materials[material] if isinstance(material, (int, str)) else material
-    if not isinstance(material, FrictMat):
+    found = material
+    if isinstance(material, (numbers.Integral, str)) and not isinstance(material, bool):
+        try:
+            found = O.materials[material if isinstance(material, str) else int(material)]
+        except (IndexError, KeyError):
+            found = None
+    if not isinstance(found, FrictMat):
         raise checks.error("material", material, "a FrictMat, or the id or label of one")
-    return material
+    return found
+
+
+def _color(given):
+    """Return red, green and blue as a Vector3."""
+    values = checks.array("color", given, (3,))
+    checks.require((values >= 0) & (values <= 1), "color", values, "a number from 0 to 1")
+    return Vector3(*values.tolist())
 
 
 def _point(name, given):

@@ -92,7 +92,6 @@ TABLE = {
     ],
     "sweep/packed_cell.cpp": [
         ("free-fall-stretches", "moment = -1 * packed_.freeMoment_ - ", "moment = -1 * "),
-        ("light-cells-meet-no-inertia", "if (!stretches_ || cellLags_) return", "if (true) return"),
     ],
     "sweep/layout/layout_blocks.cpp": [
         ("driven-bodies-share-a-record", "if (moves(body)) return offsetOf(", "return offsetOf("),

@@ -6,6 +6,7 @@
 
 namespace yade {
 
+constexpr int    mostThreads      = 1024; // more exhaust the memory of a process
 constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further pass
 constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
 // factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
@@ -29,9 +30,9 @@ std::string ContactDynamics::attributeError() const
 	if (observeEvery < 0)
 		return message("observeEvery", std::to_string(observeEvery),
 		        "a number of steps, or 0 for no entries.");
-	if (threads < 0)
+	if (threads < 0 || threads > mostThreads)
 		return message("threads", std::to_string(threads),
-		        "a number of threads, or 0 for as many as YADE has.");
+		        "at most 1024 threads, or 0 for as many as YADE has.");
 	if (!(yieldCompliance >= 0 && math::isfinite(yieldCompliance)))
 		return message("yieldCompliance", text(yieldCompliance),
 		        "a finite factor ≥ 0, 1 by default; with 0 contacts never yield.");

@@ -94,11 +94,13 @@ def _contacts(frame, codes):
 
 def _box(walls):
     """Return the codes of four walls by id, and the area between them at the time of the forces."""
-    ids = [int(w) for w in walls] if np.shape(walls) == (4,) else []
+    expected = "the ids of the left, bottom, right and top Wall of a box, or None"
+    if np.shape(walls) != (4,):
+        raise checks.error("walls", walls, expected)
+    ids = [checks.integer(f"walls[{k}]", w, expected) for k, w in enumerate(walls)]
     bodies = [O.bodies[k] if 0 <= k < len(O.bodies) else None for k in ids]
     axes = [getattr(getattr(b, "shape", None), "axis", None) for b in bodies]
     if axes != [0, 1, 0, 1]:
-        expected = "the ids of the left, bottom, right and top Wall of a box, or None"
         raise checks.error("walls", walls, expected)
     left, bottom, right, top = (b.state.pos - O.dt * b.state.vel for b in bodies)
     if left[0] >= right[0] or bottom[1] >= top[1]:

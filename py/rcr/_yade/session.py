@@ -12,6 +12,7 @@ import threading
 import time
 import warnings
 
+import numpy as np
 from yade.wrapper import InsertionSortCollider, Omega, TimeStepper
 
 from rcr import _plugin
@@ -27,13 +28,14 @@ def guard():
     if hasattr(Omega.run, "__wrapped__"):  # an earlier import has added them
         return
     container = type(Omega().bodies)
-    container.erase = _checked_erase(container.erase)
+    container.erase = _at_rest(_checked_erase(container.erase), "O.bodies.erase")
     contacts = type(Omega().interactions)
+    contacts.clear = _at_rest(contacts.clear, "O.interactions.clear")
     contacts.eraseNonReal = _refused_erase_non_real(contacts.eraseNonReal)
     Omega.run = _guarded(_recorded()(_raising()(_responsive(Omega.run))))
     Omega.step = _guarded(_recorded()(_raising()(Omega.step)))
     Omega.pause = _recorded()(_after_step()(Omega.pause))
-    Omega.wait = _recorded()(_raising()(_after_step()(Omega.wait)))
+    Omega.wait = _recorded()(_raising()(_after_step()(_interruptible(Omega.wait))))
     for name in ("load", "loadTmp", "reload"):
         setattr(Omega, name, _recorded()(getattr(Omega, name)))
 
@@ -97,8 +99,25 @@ def _responsive(run):
     return wrapped
 
 
+def _interruptible(wait):
+    """O.wait that Ctrl-C ends, with the run."""
+
+    @functools.wraps(wait)
+    def wrapped(omega):
+        if not _is_engine():
+            _await(omega, 5e-3)
+        wait(omega)
+
+    return wrapped
+
+
 def wait_for_end(omega, longest_pause, each=lambda: None):
     """Wait for the end of a run and call `each` between the checks; an exception ends the run."""
+    _await(omega, longest_pause, each)
+    omega.wait()
+
+
+def _await(omega, longest_pause, each=lambda: None):
     pause = 1e-4
     try:
         while omega.running:
@@ -108,7 +127,11 @@ def wait_for_end(omega, longest_pause, each=lambda: None):
     except BaseException:
         omega.pause()
         raise
-    omega.wait()
+
+
+def _is_engine():
+    """True in an engine of the run, such as a PyRunner."""
+    return isinstance(threading.current_thread(), threading._DummyThread)
 
 
 @contextlib.contextmanager
@@ -118,7 +141,7 @@ def _after_step():
     An engine that calls it is part of a step, so it returns at once there.
     """
     yield
-    if not isinstance(threading.current_thread(), threading._DummyThread):
+    if not _is_engine():
         _plugin.await_end()
 
 
@@ -142,6 +165,19 @@ def _raising():
         raise
     if not Omega().running and (error := _plugin.take_error()):
         raise RuntimeError(error)
+
+
+def _at_rest(method, name):
+    """A method that removes parts of the scene, refused to a console while the scene runs."""
+
+    @functools.wraps(method)
+    def wrapped(*arguments, **keywords):
+        if Omega().running and not _is_engine() and _plugin.uses_rcr():
+            raise RuntimeError(f"rcr: {name} while the scene runs would end the process; call "
+                               "O.pause() first, or call it from a PyRunner")
+        return method(*arguments, **keywords)
+
+    return wrapped
 
 
 def _checked_erase(erase):
@@ -189,7 +225,16 @@ def refuse_unknown_attributes(classes):
             near = difflib.get_close_matches(name, dir(kind), 1)
             hint = f"; expected {near[0]!r}?" if near else ""
             raise AttributeError(f"{kind.__name__} has no attribute {name!r}{hint}")
-        object.__setattr__(self, name, value)
+        object.__setattr__(self, name, _without_numpy(value))
 
     for kind in classes:
         kind.__setattr__ = set_attribute
+
+
+def _without_numpy(value):
+    """Return the value with numbers and sequences of Python, which YADE's attributes take."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    if isinstance(value, (list, tuple)) and any(isinstance(v, np.generic) for v in value):
+        return type(value)(map(_without_numpy, value))
+    return value

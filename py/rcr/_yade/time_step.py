@@ -10,6 +10,7 @@ from yade.wrapper import (
     Law2_RcrGeom_FrictPhys_CundallStrack, NewtonIntegrator, Omega, Rcr, Sphere,
 )  # fmt: skip
 
+from rcr._data import checks
 from rcr._yade.scene_arrays import lengths
 
 O = Omega()
@@ -38,16 +39,20 @@ def critical_time_step(points=6):
     contact of two points as one and ignores the dashpots; give it timestepSafetyCoefficient ≤ 0.4.
 
     Dense packings in the plane have 4 to 6 contact points per body. A ValueError reports a scene
-    without a free grain or without Law2_RcrGeom_FrictPhys_CundallStrack, or a stiffness outside its
+    without a free grain or without Law2_RcrGeom_FrictPhys_CundallStrack, or a number outside its
     range.
     """
+    points = checks.number("points", points, "a finite number of contact points > 0",
+                           lambda v: v > 0)
     loops = [e for e in O.engines if isinstance(e, InteractionLoop) and not e.dead]
     laws = [law for loop in loops for law in loop.lawDispatcher.functors
             if isinstance(law, Law2_RcrGeom_FrictPhys_CundallStrack)]
     if not laws:
         raise ValueError("O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack; rigid contacts "
                          "do not bound the time step")
-    damping, stiffness_of = laws[0].damping, _stiffnesses(loops)
+    damping = checks.number("Law2_RcrGeom_FrictPhys_CundallStrack.damping", laws[0].damping,
+                            "a finite damping ratio ≥ 0", lambda v: v >= 0)
+    stiffness_of = _stiffnesses(loops)
     steps, plates, stiffest, heaviest = [], [], 0.0, 0.0
     for body in O.bodies:
         members = [O.bodies[k] for k in body.shape.members] if body.isClump else [body]

@@ -5,6 +5,9 @@ since YADE runs it in a thread. A run in the background stops at the error and l
 """
 
 import math
+import os
+import signal
+import threading
 
 import numpy as np
 import pytest
@@ -36,7 +39,13 @@ CALLS = [  # function, words of its ValueError
     (lambda: grain(angle=INF), "angle = inf; expected a finite angle"),
     (lambda: grain(material=material(density=0)),
      "material.density = 0.0; expected a finite density > 0"),
-    (lambda: grain(material=None), "material = None; expected a FrictMat"),
+    *((lambda given=given: grain(material=given), "material = .*; expected a FrictMat")
+      for given in (None, 7, -3, "nope", True)),
+    *((lambda color=color: grain(color=color), "color")
+      for color in ("red", (NAN, 0, 0), (1, 0), (2, 0, 0), [])),
+    *((lambda mask=mask: grain(mask=mask), "mask = .*; expected a mask of 32 bits")
+      for mask in (1.5, "a", 2**40, None)),
+    (lambda: grain(R=1e-320), "density × area = 0.0; expected a finite mass > 0"),
     *((lambda given={name: value}: rcr.Rcr(**{"capRadius": 0.1, "halfLength": 0.2, **given}),
        f"Rcr.{name} = .*; expected a finite length .* rcr.particle")
       for name, value in (("capRadius", 0), ("capRadius", -1), ("capRadius", INF),
@@ -44,7 +53,7 @@ CALLS = [  # function, words of its ValueError
     *((lambda axis=axis: rcr.wall(axis, 0), rf"axis = {axis!r}; expected 'x' or 'y' \(or 0 or 1\)")
       for axis in ("z", 2, -1, 0.5, True, None)),
     *((lambda sense=sense: rcr.wall("y", 0, sense=sense), "sense = .*; expected [+]1, −1, or 0")
-      for sense in (5, -2, 0.5, "left")),
+      for sense in (5, -2, 0.5, "left", np.array([1, 0]))),
     (lambda: rcr.wall("x", NAN), "position = nan; expected a finite coordinate"),
     (lambda: rcr.wall("y", 0, material=3.5), "material = 3.5; expected a FrictMat"),
     (lambda: rcr.mobile_wall("x", 0, mass=0), "mass = 0; expected a finite mass > 0"),
@@ -61,6 +70,11 @@ CALLS = [  # function, words of its ValueError
     *((lambda damping=damping: rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping),
        "CundallStrack.damping = .*; expected a fraction of the critical damping")
       for damping in (-0.1, NAN, INF)),
+    *((lambda points=points: rcr.critical_time_step(points), "points = .*; expected a finite number")
+      for points in (0, -1, NAN, INF, "a", None)),
+    (lambda: rcr.Profile(cells=(10**9, 1)), "cells = .*; expected at most 10000000 cells"),
+    *((lambda walls=walls: rcr.contact_network(walls=walls), r"walls(\[0\])? = .*; expected the ids")
+      for walls in ((1.9, 2, 3, 4), "abcd", (NAN, 1, 2, 3), 5)),
     (lambda: rcr.plot.packing(limits=((1, 1), (0, 0))), "limits = .* in this order"),
     *((lambda given={name: 1.0}: rcr.contact_network(**given, seed=3),
        rf"contact_network\({name}=…\): the scene gives it; choose another name")
@@ -144,6 +158,7 @@ SETTINGS = [
     ("correction", NAN, "correction = nan"),
     *(("yieldCompliance", value, f"ContactDynamics.yieldCompliance = {value:g}; expected a finite "
        f"factor ≥ 0, 1 by default") for value in (NAN, INF, -1.0)),
+    ("threads", 2000, "ContactDynamics.threads = 2000; expected at most 1024 threads"),
     ("observeEvery", -1, "ContactDynamics.observeEvery = -1; expected a number of steps"),
     ("trackMeanStretch", True,
      "ContactDynamics.trackMeanStretch = True; expected overdamped = True"),
@@ -678,3 +693,39 @@ def test_a_body_that_replaces_another_is_checked(arrays):
     refused("no Bo1_Rcr_Aabb, so body #1 would meet nothing", O.run, 500, True,
             error=RuntimeError)
     assert O.bodies[1].state.pos[1] > 0.29
+
+
+def test_numbers_of_numpy_are_numbers():
+    build()
+    rough = O.materials.append(material())
+    floor = O.bodies.append(rcr.wall("y", 0, sense=np.int64(1), material=np.int64(rough)))
+    body = grain((0, 0.1), material=np.int8(rough), mask=np.int64(3), color=np.array([1, 0, 0]))
+    O.bodies.append(body)
+    engine = solver()
+    engine.maxIterations, engine.tolerance = np.int64(77), np.float32(0.5)
+    for observed in (np.array([floor]), [np.int64(floor)], (np.int32(floor),)):
+        engine.observe = observed
+        assert list(engine.observe) == [floor]
+    assert (body.mask, engine.maxIterations, engine.tolerance) == (3, 77, 0.5)
+
+
+@pytest.mark.parametrize("remove, name", [(lambda: O.interactions.clear(), "O.interactions.clear"),
+                                          (lambda: O.bodies.erase(1), "O.bodies.erase")])
+def test_a_console_removes_nothing_while_the_scene_runs(remove, name):
+    """The run would read what is gone, and end the process."""
+    build(*(grain((0.3 * k, 0.1), material=material()) for k in range(3)))
+    O.run()
+    try:
+        refused(f"{name} while the scene runs .* O.pause", remove, error=RuntimeError)
+    finally:
+        O.pause()
+    remove()
+    O.run(3, True)
+
+
+def test_ctrl_c_ends_a_wait():
+    build(grain((0, 0.1), material=material()))
+    O.run(10**7)
+    threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+    refused("", O.wait, error=KeyboardInterrupt)
+    assert not O.running and O.iter < 10**7
