@@ -228,7 +228,7 @@ def _material(material):
     if isinstance(material, (numbers.Integral, str)) and not isinstance(material, bool):
         try:
             found = O.materials[material if isinstance(material, str) else int(material)]
-        except (IndexError, KeyError):
+        except (IndexError, KeyError, OverflowError):
             found = None
     if not isinstance(found, FrictMat):
         raise checks.error("material", material, "a FrictMat, or the id or label of one")

@@ -77,13 +77,15 @@ void CellStress::gatherCell(const NewtonIntegrator& integrator, rcr::Step& step)
 	load(0, size.x, problem.inverseStretchMass.x, cell.loadRate.x);
 	load(1, size.y, problem.inverseStretchMass.y, cell.loadRate.y);
 	if (!problem.stretches()) return;
-	if (!step.overdamped && scene->cell->homoDeform == 0)
-		validation::refuse("CellStress moves the bodies with the cell, and O.cell.homoDeform = 0; "
-		                   "expected 2, the default.");
+	if (!step.overdamped && scene->cell->homoDeform < 2)
+		validation::refuse("CellStress moves the bodies with the cell, and O.cell.homoDeform = ",
+		        scene->cell->homoDeform, "; expected 2, the default.");
 	problem.place.resize(step.bodies.size());
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const auto& b = (*scene->bodies)[id];
-		if (!b || b->isClumpMember() || (integrator.mask > 0 && !b->maskCompatible(integrator.mask))) continue;
+		if (!b || b->isClumpMember()
+		        || (integrator.mask > 0 && !b->maskCompatible(integrator.mask)))
+			continue;
 		problem.place[id] = step.bodies[id].center;
 		if (!step.overdamped) continue; // else prescribed velocities remain
 		if (problem.inverseMass[id].x == 0) problem.place[id].x = 0;

@@ -153,7 +153,7 @@ UnbalancedForce unbalancedForceOf(const rcr::Step& step)
 		if (!body.free || !(body.shape.grain() || body.shape.kind == rcr::PlanarShape::none))
 			continue;
 		const rcr::InverseMass&  inverse = step.problem.inverseMass[id];
-		const rcr::PlanarVector &v = step.problem.velocity[id], 
+		const rcr::PlanarVector &v = step.problem.velocity[id],
 		                         before = step.stretched(int(id), step.initialVelocity(int(id)));
 		const rcr::Vec2          change { inverse.x > 0 ? (v.x - before.x) / inverse.x : 0,
             inverse.y > 0 ? (v.y - before.y) / inverse.y : 0 };

@@ -194,7 +194,8 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::PlanarV
 			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, p.rotation));
 		}
 		if (!handles.state[id] || body.owner != id) return;
-		if (step.overdamped) setUnblockedVelocity(*handles.state[id], step.stretched(id, body.velocity));
+		if (step.overdamped)
+			setUnblockedVelocity(*handles.state[id], step.stretched(id, body.velocity));
 		if (!step.displacement.empty() && (body.free || step.problem.stretches()))
 			displace(*handles.state[id], step.displacement[id]);
 	});

@@ -137,12 +137,19 @@ namespace {
 			return false;
 		}
 
+		/// The contact with the image at which the strain of the cell has placed body 2.
+		StepContact strained(StepContact c) const
+		{
+			c.shift = c.shift + componentwise(step_.strain, c.shift);
+			return c;
+		}
+
 		/// Contact points at the end. If displacements have pushed one body through the other, the
 		/// normals are reversed, and the overlaps lead back to the side before.
 		Manifold pointsAtEnd(const StepContact& c) const
 		{
-			Manifold at = pointsAfter(
-			        step_, c, step_.dt, [&](int id) { return step_.velocityToEnd(id); });
+			Manifold at = pointsAfter(step_, strained(c), step_.dt,
+			        [&](int id) { return step_.velocityToEnd(id); });
 			if (at.count == 0 || step_.displacement.empty()) return at;
 			const Manifold before = solvedPointsAfter(step_, c, step_.dt);
 			if (before.count == 0 || dot(before.points[0].normal, at.points[0].normal) >= 0)
@@ -182,7 +189,8 @@ namespace {
 					return step_.bodies[id].center + step_.dt * Vec2 { v.x, v.y };
 				};
 				point.arm1 = at.points[k].position - center(id1);
-				point.arm2 = at.points[k].position - (center(id2) + c.shift + step_.dt * c.drift);
+				point.arm2 = at.points[k].position
+				        - (center(id2) + strained(c).shift + step_.dt * c.drift);
 				const double gap = at.points[k].gap + relativeVelocity(point, moved1, moved2).n;
 				const double surplus = -gap - allowed(c);
 				if (surplus <= tolerance * c.slop()) continue;

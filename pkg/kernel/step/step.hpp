@@ -201,8 +201,8 @@ struct Step {
 	/// Velocity of a body without loads and contacts in this step.
 	PlanarVector initialVelocity(int id) const
 	{
-		const StepBody& body = bodies[id];
-		return body.velocity + PlanarVector { body.convection.x, body.convection.y, 0 };
+		const Vec2 convection = bodies[bodies[id].owner].convection;
+		return bodies[id].velocity + PlanarVector { convection.x, convection.y, 0 };
 	}
 	/// u of a point without loads and contacts in this step [m/s].
 	LocalVector initialVelocity(const ContactPoint& c) const
@@ -213,7 +213,8 @@ struct Step {
 	/// A velocity of a body plus its change by the stretch of the cell in this step.
 	PlanarVector stretched(int id, const PlanarVector& v) const
 	{
-		const Vec2 change = componentwise(problem.stretchRate + cell.loadRate, problem.placeOf(id));
+		const Vec2 place  = problem.placeOf(bodies[id].owner);
+		const Vec2 change = componentwise(problem.stretchRate + cell.loadRate, place);
 		return v + PlanarVector { change.x, change.y, 0 };
 	}
 

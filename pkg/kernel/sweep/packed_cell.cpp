@@ -46,11 +46,11 @@ void PackedProblem::loadCell(const ContactProblem& problem)
 	}
 }
 
-/// The stretch rate that the impulses cause, M_c⁻¹ Σ f ∘ (r₂ + s − r₁), less the present one [1/s].
-/// The impulses on free bodies follow from their velocities.
-Vec2 PackedIsland::stretchRateLag()
+/// Sets the stretch rate that the impulses cause, M_c⁻¹ Σ f ∘ (r₂ + s − r₁), if it lags. The impulses
+/// on free bodies follow from their velocities.
+void PackedIsland::updateStretchRate()
 {
-	if (!packed_.cellLags_) return {};
+	if (!packed_.cellLags_) return;
 	const Vec2 rate   = packed_.stretchRate_;
 	Vec2       moment = -1 * packed_.freeMoment_ - componentwise(rate, packed_.carriedInertia_);
 	forEachCarried([&](const double* v, const PackedProblem::Carried& of) {
@@ -60,18 +60,12 @@ Vec2 PackedIsland::stretchRateLag()
 	forEachOverflowPoint([&](const OverflowPoint& c) {
 		moment = moment + componentwise(c.stretchArm, toCartesian(c.normal, c.p));
 	});
-	return componentwise(packed_.inverseStretchMass_, moment) - rate;
-}
-
-/// Adds to the stretch rate, and to the velocities of all bodies.
-void PackedIsland::stretchBy(Vec2 rate)
-{
-	if (!packed_.cellLags_) return;
+	packed_.stretchRate_ = componentwise(packed_.inverseStretchMass_, moment);
+	const Vec2 change    = packed_.stretchRate_ - rate;
 	forEachCarried([&](double* v, const PackedProblem::Carried& of) {
-		v[record::x] += rate.x * of.place.x;
-		v[record::y] += rate.y * of.place.y;
+		v[record::x] += change.x * of.place.x;
+		v[record::y] += change.y * of.place.y;
 	});
-	packed_.stretchRate_ = packed_.stretchRate_ + rate;
 }
 
 } // namespace rcr

@@ -80,7 +80,7 @@ void PackedIsland::recomputeVelocities()
 	});
 	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->apply(view_, chunk); });
 	forEachOverflowPoint([&](OverflowPoint& c) { applyImpulse(view_, c, c.p); });
-	stretchBy(stretchRateLag());
+	updateStretchRate();
 	state_.measures.reset();
 	state_.velocityRecomputed = true;
 }
@@ -97,7 +97,7 @@ void PackedIsland::sweep(double relaxation)
 			c.p = p;
 		});
 	});
-	stretchBy(stretchRateLag());
+	updateStretchRate();
 }
 
 double PackedIsland::sweepMomentum(double momentum, const Yielding& yielding)
@@ -146,7 +146,7 @@ double PackedIsland::sweepMomentum(View<Real>& view, const SweepKernels<Real>& k
 		c.p   = next;
 		change2 += square(next - from);
 	});
-	stretchBy(stretchRateLag());
+	updateStretchRate();
 	return change2;
 }
 
@@ -154,11 +154,7 @@ Measures PackedIsland::measure()
 {
 	if (mixedPrecision_)
 		return measure<float>(singleView_, *packed_.singleKernels_, packed_.singleBias_.data());
-	if (state_.measures) return *state_.measures;
-	const Vec2 lag = stretchRateLag();
-	stretchBy(lag);
-	state_.measures = measure<double>(view_, *packed_.kernels_, nullptr);
-	stretchBy(-1 * lag);
+	if (!state_.measures) state_.measures = measure<double>(view_, *packed_.kernels_, nullptr);
 	return *state_.measures;
 }
 

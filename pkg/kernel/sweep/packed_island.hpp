@@ -76,12 +76,11 @@ private:
 		state_.velocityRecomputed = false;
 		state_.measures.reset();
 	}
-	Vec2 stretchRateLag();
-	void stretchBy(Vec2 rate);
-	/// Calls visit(velocity of a record, its stretch) for the bodies of a stretching cell.
+	void updateStretchRate();
+	/// Calls visit(velocity of a record, what it carries) for the bodies of a stretching cell, which
+	/// has one island.
 	template <class Visit> void forEachCarried(Visit visit)
 	{
-		// the only island
 		for (int k = 0; k < island_.overflowRecords.end; k += island_.halfRecords ? 1 : 2)
 			visit(view_.recordAt(k), packed_.carried_[k]);
 	}

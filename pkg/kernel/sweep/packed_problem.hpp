@@ -57,7 +57,7 @@ private:
 		double       lever1n, lever1t, lever2n, lever2t;
 		LocalVector  drift; // added to u: periodic images, and spins that the records do not hold
 		InverseMass  mass1, mass2;
-		Vec2         stretchArm; // without the places of records
+		Vec2         stretchArm; // r₂ + s − r₁ without the carried places
 		double       bias, friction;
 		Delassus     w;     // sweepDelassus
 		double       ownNn; // w_nn of the bodies alone

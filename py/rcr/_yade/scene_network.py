@@ -1,6 +1,7 @@
 """Contact network of the present scene."""
 
 import warnings
+from collections.abc import Sequence
 
 import numpy as np
 from yade.wrapper import Omega
@@ -95,7 +96,7 @@ def _contacts(frame, codes):
 def _box(walls):
     """Return the codes of four walls by id, and the area between them at the time of the forces."""
     expected = "the ids of the left, bottom, right and top Wall of a box, or None"
-    if np.shape(walls) != (4,):
+    if not isinstance(walls, (Sequence, np.ndarray)) or len(walls) != 4:
         raise checks.error("walls", walls, expected)
     ids = [checks.integer(f"walls[{k}]", w, expected) for k, w in enumerate(walls)]
     bodies = [O.bodies[k] if 0 <= k < len(O.bodies) else None for k in ids]

@@ -29,6 +29,8 @@ def guard():
         return
     container = type(Omega().bodies)
     container.erase = _at_rest(_checked_erase(container.erase), "O.bodies.erase")
+    for name in ("clear", "replace", "deleteClumpBody", "deleteClumpMember"):
+        setattr(container, name, _at_rest(getattr(container, name), f"O.bodies.{name}"))
     contacts = type(Omega().interactions)
     contacts.clear = _at_rest(contacts.clear, "O.interactions.clear")
     contacts.eraseNonReal = _refused_erase_non_real(contacts.eraseNonReal)
@@ -130,7 +132,7 @@ def _await(omega, longest_pause, each=lambda: None):
 
 
 def _is_engine():
-    """True in an engine of the run, such as a PyRunner."""
+    """True in a thread that Python did not start: that of a run and its PyRunners."""
     return isinstance(threading.current_thread(), threading._DummyThread)
 
 
@@ -225,16 +227,28 @@ def refuse_unknown_attributes(classes):
             near = difflib.get_close_matches(name, dir(kind), 1)
             hint = f"; expected {near[0]!r}?" if near else ""
             raise AttributeError(f"{kind.__name__} has no attribute {name!r}{hint}")
-        object.__setattr__(self, name, _without_numpy(value))
+        known = isinstance(getattr(kind, name, None), property)  # an attribute of YADE
+        object.__setattr__(self, name, _without_numpy(value) if known else value)
 
     for kind in classes:
         kind.__setattr__ = set_attribute
+        kind.__init__ = _converting(kind.__init__)
+
+
+def _converting(init):
+    """A constructor of YADE that also takes numbers of NumPy."""
+
+    @functools.wraps(init)
+    def wrapped(self, *arguments, **keywords):
+        init(self, *arguments, **{k: _without_numpy(v) for k, v in keywords.items()})
+
+    return wrapped
 
 
 def _without_numpy(value):
     """Return the value with numbers and sequences of Python, which YADE's attributes take."""
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
-    if isinstance(value, (list, tuple)) and any(isinstance(v, np.generic) for v in value):
-        return type(value)(map(_without_numpy, value))
+    if isinstance(value, (list, tuple)):
+        return [_without_numpy(v) for v in value]
     return value

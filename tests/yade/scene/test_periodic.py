@@ -188,8 +188,9 @@ def test_problems_of_a_deforming_cell_are_not_saved(tmp_path):
     (lambda: pressed(stress=(math.inf, 0)), "CellStress.stress is infinite"),
     (lambda: pressed(rcr.disc((1, 1), 0.3), size=None, stress=(1, 1)),
      "CellStress has no cell to press"),
-    (lambda: (pressed(stress=(1, 1)), setattr(O.cell, "homoDeform", 0)),
-     "CellStress moves the bodies with the cell, and O.cell.homoDeform = 0; expected 2"),
+    *((lambda homo=homo: (pressed(stress=(1, 1)), setattr(O.cell, "homoDeform", homo)),
+       f"CellStress moves the bodies with the cell, and O.cell.homoDeform = {homo}; expected 2")
+      for homo in (0, 1)),
     (lambda: (scene("smooth", rcr.disc((1, 1), 0.3)), pressed(stress=(1, 1))),
      "contacts are springs; take PeriTriaxController"),
 ])  # fmt: skip

@@ -1,5 +1,7 @@
 #include "sweep/layout/layout.hpp"
 
+#include <limits>
+
 #include "parallel/thread_team.hpp"
 #include "problem/coulomb.hpp"
 #include "problem/list_by_key.hpp"
@@ -47,8 +49,8 @@ namespace {
 			parts[k].pairs = { begin[k], begin[k + 1] };
 	}
 
-	/// Returns true if the stretch rate of a cell may lag behind a sweep: the cell responds less to all
-	/// impulses together than each contact to its own. Momentum needs a margin of two.
+	/// Returns true if the stretch rate of a cell may lag behind a sweep: the cell responds less than
+	/// half as much to all impulses together as each contact to its own.
 	bool mayLag(const ContactProblem& problem)
 	{
 		if (!problem.stretches()) return false;

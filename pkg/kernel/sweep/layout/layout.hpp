@@ -1,7 +1,7 @@
 // The layout of a problem: islands, the model of each pair and its place in the packed arrays.
 //
-// The layout depends on the present problem alone: on its pairs in order, their required models and
-// the kinds of bodies. So a simulation that is saved and loaded continues with the same bits. A
+// The layout depends on the present problem alone: on its pairs in order, their required models, the
+// kinds of bodies, and whether the stretch rate of a cell lags. So a simulation that is saved and loaded continues with the same bits. A
 // layout is kept until one of these changes; a new layout takes as long as twenty sweeps in floats.
 //
 // Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. A
@@ -77,7 +77,8 @@ public:
 	/// Updates the layout. Returns false if nothing has changed.
 	bool update(const ContactProblem&, const Reductions&, ThreadTeam&);
 
-	/// Returns true if the stretch rate of the cell may lag behind a sweep; false: none stretches.
+	/// Returns true if the stretch rate of the cell lags behind a sweep; false: it must not, or no
+	/// cell stretches.
 	bool cellLags() const { return cellLags_; }
 
 	const std::vector<PackedPair>& pairs() const { return pairs_; } // in the order of the problem

@@ -10,9 +10,8 @@ void Layout::findIslands()
 	DisjointSets              sets(bodyKind_.size());
 	std::vector<std::int32_t> number(bodyKind_.size(), none);
 	std::int32_t              whole = none; // the one island without that reduction
-	for (const PackedPair& pair : pairs_) {
+	for (const PackedPair& pair : pairs_)
 		if (moves(pair.body1) && moves(pair.body2)) sets.join(pair.body1, pair.body2);
-	}
 	island_.assign(bodyKind_.size(), none);
 	islands_.clear();
 	for (const PackedPair& pair : pairs_) {
