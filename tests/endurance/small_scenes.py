@@ -92,7 +92,8 @@ def transformed(scene, turn=1, flip=False, shift=0, drift=0, step=1, length=1, t
     tensor = lambda m: matrix @ m @ matrix.T
     shape = lambda p: {**p, "at": length * (vector(p["at"]) + shift), "size": length * p["size"],
                        "angle": cmath.phase(vector(cmath.rect(1, p["angle"])))}
-    bodies = [{**b, "v": (vector(b["v"]) + drift) * length / time, "spin": (-1) ** flip * b["spin"] / time,
+    bodies = [{**b, "v": (vector(b["v"]) + drift) * length / time,
+               "spin": (-1) ** flip * b["spin"] / time,
                "parts": [shape(p) for p in b["parts"][::step]]} for b in scene["bodies"][::step]]
     cell = {} if "sides" not in scene else dict(
         sides=length * tensor(scene["sides"]), gradient=tensor(scene["gradient"]) / time,

@@ -15,9 +15,9 @@
 // The term g_a² dt lets a cell without forces move on at constant speed. A change of g changes the
 // velocity of each body at r by δg ∘ r. The result then does not depend on where the boundary lies,
 // nor on the images that hold the bodies. Masses and forces are per unit depth of the plane, as in
-// contact_problem.hpp. Impulses and stretching are solved together. A cell that followed the stress of the step before would oscillate, since rigid contacts bear any
-// stress. Source: Parrinello and Rahman 1981 (motion of the cell); Radjaï and Voivret 2011 (Contact
-// Dynamics).
+// contact_problem.hpp. Impulses and stretching are solved together. A cell that followed the stress
+// of the step before would oscillate, since rigid contacts bear any stress. Source: Parrinello and
+// Rahman 1981 (motion of the cell); Radjaï and Voivret 2011 (Contact Dynamics).
 #pragma once
 
 #include "dem/yadeHeaders.hpp"

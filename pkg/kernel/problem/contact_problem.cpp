@@ -66,8 +66,8 @@ Vec2 addImpulses(const ContactProblem& problem, const std::vector<LocalVector>& 
 		const ContactPoint& c = problem.points[k];
 		applyImpulse(c, impulse[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
 		        velocity[c.body1], velocity[c.body2]);
-		stretching
-		        = stretching + componentwise(problem.stretchArm(c), toCartesian(c.normal, impulse[k]));
+		const Vec2 f = toCartesian(c.normal, impulse[k]);
+		stretching   = stretching + componentwise(problem.stretchArm(c), f);
 	}
 	const Vec2 rate = componentwise(problem.inverseStretchMass, stretching);
 	problem.addStretch(rate, velocity);

@@ -46,8 +46,8 @@ void PackedProblem::loadCell(const ContactProblem& problem)
 	}
 }
 
-/// Sets the stretch rate that the impulses cause, M_c⁻¹ Σ f ∘ (r₂ + s − r₁), if it lags. The impulses
-/// on free bodies follow from their velocities.
+/// Sets the stretch rate that the impulses cause, M_c⁻¹ Σ f ∘ (r₂ + s − r₁), if it lags. The
+/// impulses on free bodies follow from their velocities.
 void PackedIsland::updateStretchRate()
 {
 	if (!packed_.cellLags_) return;

@@ -77,8 +77,8 @@ private:
 		state_.measures.reset();
 	}
 	void updateStretchRate();
-	/// Calls visit(velocity of a record, what it carries) for the bodies of a stretching cell, which
-	/// has one island.
+	/// Calls visit(velocity of a record, what it carries) for the bodies of a stretching cell,
+	/// which has one island.
 	template <class Visit> void forEachCarried(Visit visit)
 	{
 		for (int k = 0; k < island_.overflowRecords.end; k += island_.halfRecords ? 1 : 2)

@@ -135,7 +135,7 @@ private:
 	};
 	// of a stretching cell, whose points all belong to one island
 	std::vector<Carried> carried_;          // per half record
-	Vec2                 cellOrigin_;       // of all places: near the bodies, to keep rounding small
+	Vec2                 cellOrigin_;       // of all places, near the bodies: little rounding
 	Vec2                 freeMoment_;       // Σ moment ∘ v_free
 	Vec2                 carriedInertia_;   // Σ moment ∘ place
 	Vec2                 inverseStretchMass_, stretchRate_, oldStretchRate_;

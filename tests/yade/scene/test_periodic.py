@@ -621,7 +621,8 @@ def test_a_new_time_step_after_a_refused_step_keeps_the_cell():
 def strains(shift=(0, 0), cells=0, wrap=False, overdamped=False, held=False):
     """Strains, work on the cell and unbalanced force under stress and shear.
 
-    All grains are moved by `shift` [m]. Every second grain lies `cells` edges further along x; `held`: four grains are fixed.
+    All grains are moved by `shift` [m]. Every second grain lies `cells` edges further along x;
+    `held`: four grains are fixed.
     """
     rng, pitch = np.random.default_rng(3), 0.21
     size = 5 * pitch

@@ -49,8 +49,8 @@ namespace {
 			parts[k].pairs = { begin[k], begin[k + 1] };
 	}
 
-	/// Returns true if the stretch rate of a cell may lag behind a sweep: the cell responds less than
-	/// half as much to all impulses together as each contact to its own.
+	/// Returns true if the stretch rate of a cell may lag behind a sweep: the cell responds less
+	/// than half as much to all impulses together as each contact to its own.
 	bool mayLag(const ContactProblem& problem)
 	{
 		if (!problem.stretches()) return false;

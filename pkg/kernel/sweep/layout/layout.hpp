@@ -1,8 +1,9 @@
 // The layout of a problem: islands, the model of each pair and its place in the packed arrays.
 //
-// The layout depends on the present problem alone: on its pairs in order, their required models, the
-// kinds of bodies, and whether the stretch rate of a cell lags. So a simulation that is saved and loaded continues with the same bits. A
-// layout is kept until one of these changes; a new layout takes as long as twenty sweeps in floats.
+// The layout depends on the present problem alone: on its pairs in order, their required models,
+// the kinds of bodies, and whether the stretch rate of a cell lags. So a simulation that is saved
+// and loaded continues with the same bits. A layout is kept until one of these changes; a new layout
+// takes as long as twenty sweeps in floats.
 //
 // Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. A
 // large island is cut into partitions (partitions.hpp). Its pairs form sections: those within a
@@ -12,8 +13,8 @@
 //
 // The overflow is solved pair after pair. It contains pairs without a colour, pairs of special
 // bodies, and pairs across the boundary of a moving cell. All pairs of a small island belong to it.
-// A small island would leave most slots empty. A cell that may stretch is one island. Its pairs with
-// prescribed bodies are overflow too, and all its pairs if its stretch rate must not lag.
+// A small island would leave most slots empty. A cell that may stretch is one island. Its pairs
+// with prescribed bodies are overflow too, and all its pairs if its stretch rate must not lag.
 #pragma once
 
 #include "problem/contact_problem.hpp"
