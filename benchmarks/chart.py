@@ -38,7 +38,7 @@ def arguments():
     add("--out", type=script.folder, required=True, metavar="DIR",
         help="folder of the charts, made if missing")
     add("--charts", nargs="+", choices=list(charts.NAMES), default=list("abcd"), metavar="C",
-        help="some of a b c d e f (default: a b c d; e and f need --limit 3600)")
+        help="some of a b c d e f (default: a b c d; e needs --limit 3600, f 7200)")
     add("--quick", action="store_true",
         help="smaller packings, fewer points: up to ten minutes on two cores")
     add("--only", metavar="POINT",
