@@ -22,7 +22,7 @@ static double latticeLength(const rcr::PeriodicCell& cell, bool turned)
 
 /// Lengths of the cell along x and y [m]: the shortest lattice vector along one axis, and the area
 /// over it. They do not depend on the choice of the edges, which O.cell.flipCell changes. If
-/// prescribed motion has turned all lattice vectors, that of the first edge counts as along x.
+/// prescribed motion has turned all lattice vectors, their ratio is that of the edges.
 static rcr::Vec2 lengths(const rcr::PeriodicCell& cell)
 {
 	const auto& h = cell.h;
@@ -30,7 +30,8 @@ static rcr::Vec2 lengths(const rcr::PeriodicCell& cell)
 	double x = latticeLength(cell, false);
 	if (x == 0) {
 		const double y = latticeLength(cell, true);
-		x              = y > 0 ? cell.area() / y : std::hypot(h[0][0], h[1][0]);
+		const double ratio = std::hypot(h[0][0], h[1][0]) / std::hypot(h[0][1], h[1][1]);
+		x                  = y > 0 ? cell.area() / y : std::sqrt(cell.area() * ratio);
 	}
 	return { x, cell.area() / x };
 }

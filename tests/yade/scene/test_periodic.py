@@ -773,3 +773,16 @@ def test_clumps_under_a_stress_are_sheared():
             assert (O.bodies[member].state.pos - b.state.pos).norm() == pytest.approx(0.035)
     assert solver().deepestOverlap < 1e-3 and solver().missedSteps < 20
     assert rcr.contact_network().between_particles.any()
+
+
+def test_a_tilted_cell_and_its_turn_by_a_right_angle_have_one_inertia():
+    """No lattice vector lies along an axis."""
+    def rates(*cell):
+        scene("rigid", rcr.disc((0.5, 0.5), 0.1, material()))
+        O.cell.hSize = Matrix3(cell[0], cell[1], 0, cell[2], cell[3], 0, 0, 0, 2)
+        pressed(stress=(10, 10))
+        steps(1)
+        return O.cell.velGrad[0, 0], O.cell.velGrad[1, 1]
+
+    along, across = rates(2, 0.2, 0.1, 1)
+    assert rates(1, -0.1, -0.2, 2) == pytest.approx((across, along), rel=1e-9)
