@@ -9,9 +9,8 @@
 
 namespace rcr {
 
-Delassus PackedProblem::sweepDelassus(const ContactProblem& problem, const ContactPoint& c) const
+Delassus PackedProblem::delassusInCell(const ContactProblem& problem, const ContactPoint& c)
 {
-	if (!stretches_ || cellLags_) return delassus(problem, c);
 	const Vec2  arm  = problem.stretchArm(c);
 	const Vec2  cell = componentwise(problem.inverseStretchMass, componentwise(arm, arm));
 	InverseMass m2   = problem.inverseMass[c.body2];

@@ -189,7 +189,7 @@ void PackedProblem::addToOverflow(
 		const Vec2          drift = c.freeDrift(problem.stretchRate), t = perp(c.normal);
 		if (w.nn <= 0) continue;
 		OverflowPoint to {};
-		to.w     = sweepDelassus(problem, c);
+		to.w     = stretches_ && !cellLags_ ? delassusInCell(problem, c) : w;
 		to.ownNn = w.nn;
 		to.record1      = layout_.record(c.body1);
 		to.record2      = layout_.record(c.body2);

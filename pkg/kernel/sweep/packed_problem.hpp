@@ -59,7 +59,7 @@ private:
 		InverseMass  mass1, mass2;
 		Vec2         stretchArm; // r₂ + s − r₁ without the carried places
 		double       bias, friction;
-		Delassus     w;     // sweepDelassus
+		Delassus     w;     // with the response of a cell whose rate does not lag
 		double       ownNn; // w_nn of the bodies alone
 		LocalVector  p, old;
 		LocalVector  reference; // u of the reference of floats
@@ -75,8 +75,8 @@ private:
 	{
 		return problem.placeOf(body) - cellOrigin_ - carriedPlace(problem, body);
 	}
-	/// w of a point in sweeps; it includes the stretch of a cell unless its rate lags.
-	Delassus sweepDelassus(const ContactProblem&, const ContactPoint&) const;
+	/// w of a point with the response of a cell whose rate does not lag.
+	static Delassus delassusInCell(const ContactProblem&, const ContactPoint&);
 	void loadBody(const ContactProblem&, int body, int record, bool half);
 	void recomputeVelocities();
 	void fill(const ContactProblem&, const PackedPair&);

@@ -71,7 +71,7 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions,
 {
 	const bool sameReductions = reductions == reductions_;
 	reductions_               = reductions;
-	const bool lags = mayLag(problem);
+	const bool lags     = mayLag(problem);
 	const bool sameCell = stretches_ == problem.stretches() && cellLags_ == lags;
 	stretches_ = problem.stretches(), cellLags_ = lags;
 	const bool sameBodies = classifyBodies(problem), samePairs = findPairs(problem, team);
