@@ -133,6 +133,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	py::def("take_error", yade::takeError,
 	        "Message of the error that stopped ContactDynamics, returned once; empty without "
 	        "error.");
+	py::def("await_start", yade::awaitStart, "Wait until the thread of a run has begun.");
 	py::def("await_end", yade::awaitEnd, "Wait until a paused run has stopped.");
 	py::def("uses_rcr",
 	        +[] { return yade::validation::SceneQuery(scene()).law != yade::validation::neither; },

@@ -1,6 +1,8 @@
 #include "dem/validation/deferredError.hpp"
 
+#include <chrono>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include "dem/yadeHeaders.hpp"
@@ -9,10 +11,10 @@ namespace yade {
 
 // YADE's run thread and its lock are private. An explicit template instantiation may name private
 // members.
-ThreadRunner& runThread(Omega&);
-std::mutex&   runMutex(ThreadRunner&);
+shared_ptr<ThreadRunner> runThread(Omega&);
+std::mutex&              runMutex(ThreadRunner&);
 template <shared_ptr<ThreadRunner> Omega::*member> struct RunThread {
-	friend ThreadRunner& runThread(Omega& omega) { return *(omega.*member); }
+	friend shared_ptr<ThreadRunner> runThread(Omega& omega) { return omega.*member; }
 };
 template <std::mutex ThreadRunner::*member> struct RunMutex {
 	friend std::mutex& runMutex(ThreadRunner& run) { return run.*member; }
@@ -74,17 +76,30 @@ void rememberError(const std::string& message)
 std::string takeError()
 {
 	const std::lock_guard<std::mutex> lock(mutex);
-	ThreadRunner&                     run = runThread(Omega::instance());
-	const std::string thrown = run.workerThrew.exchange(false) ? run.workerException.what() : "";
+	const auto                        run = runThread(Omega::instance());
+	const std::string thrown
+	        = run->workerThrew.exchange(false) ? run->workerException.what() : "";
 	return ended.empty() ? thrown : std::exchange(ended, {});
+}
+
+void awaitStart()
+{
+	const auto run = runThread(Omega::instance());
+	Py_BEGIN_ALLOW_THREADS;
+	while (run->looping() && runMutex(*run).try_lock()) { // the run holds its lock to its end
+		runMutex(*run).unlock();
+		std::this_thread::sleep_for(std::chrono::microseconds(20));
+	}
+	Py_END_ALLOW_THREADS;
 }
 
 void awaitEnd()
 {
 	if (Omega::instance().isRunning()) return;
+	const auto run = runThread(Omega::instance());
 	Py_BEGIN_ALLOW_THREADS;
 	{
-		const std::lock_guard<std::mutex> ended(runMutex(runThread(Omega::instance())));
+		const std::lock_guard<std::mutex> ended(runMutex(*run));
 	}
 	Py_END_ALLOW_THREADS;
 }

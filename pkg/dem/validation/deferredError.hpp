@@ -22,6 +22,10 @@ void rememberError(const std::string& message);
 /// Returns the message of the exception that ended the last run, and clears it.
 std::string takeError();
 
+/// Waits until YADE's thread of a run has begun. YADE does not wait for a thread that has not, when
+/// it destroys the run; that thread would then read freed memory. Releases Python's lock meanwhile.
+void awaitStart();
+
 /// Waits until a paused run is over, since O.pause() returns during its last step. Releases
 /// Python's lock meanwhile.
 void awaitEnd();

@@ -5,6 +5,7 @@ scenes. Scenes without classes of rcr are not checked. `refuse_unknown_attribute
 misspelt attributes of these classes.
 """
 
+import atexit
 import contextlib
 import difflib
 import functools
@@ -38,6 +39,7 @@ def guard():
     Omega.step = _guarded(_recorded()(_raising()(Omega.step)))
     Omega.pause = _recorded()(_after_step()(Omega.pause))
     Omega.wait = _recorded()(_raising()(_after_step()(_interruptible(Omega.wait))))
+    atexit.register(Omega().pause)  # a run must not outlive the objects that it reads
     for name in ("load", "loadTmp", "reload"):
         setattr(Omega, name, _recorded()(getattr(Omega, name)))
 
@@ -90,11 +92,13 @@ def _time_step_advice(omega):
 
 
 def _responsive(run):
-    """O.run that notices its end and Ctrl-C within 5 ms; YADE checks every 40 ms."""
+    """O.run that returns after its thread has begun, and notices its end and Ctrl-C within 5 ms."""
 
     @functools.wraps(run)
     def wrapped(omega, nSteps=-1, wait=False):
         run(omega, nSteps, False)
+        if not _is_engine():
+            _plugin.await_start()
         if wait:
             wait_for_end(omega, 5e-3)
 

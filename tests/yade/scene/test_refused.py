@@ -727,6 +727,25 @@ def test_a_console_removes_nothing_while_the_scene_runs(remove, name):
         O.run(3, True)
 
 
+def test_a_run_may_be_paused_removed_or_left_at_once():
+    """On one processor its thread begins late, and read the memory of a removed run."""
+    result = python("""
+import os
+import yade
+import rcr
+from scenes import build, material
+from yade import O
+
+os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+for _ in range(200):
+    build(rcr.particle((0, 0.1), 0.1, 0.5, material=material()))
+    O.run()
+    O.pause()
+O.run()  # the script ends before the run
+""")
+    assert result.returncode == 0, result.stderr
+
+
 def test_ctrl_c_ends_a_wait():
     build(grain((0, 0.1), material=material()))
     O.run(10**7)
