@@ -47,13 +47,14 @@ namespace {
 	/// Name of the functor of rcr for two shapes in any order; empty: none.
 	std::string functorFor(std::string shape1, std::string shape2)
 	{
-		// obstacles first
 		const std::vector<std::string> supported { "Wall", "Box", "Facet", "Sphere", "Rcr" };
-		const auto                     rank = [&](const std::string& shape) {
-                return std::find(supported.begin(), supported.end(), shape) - supported.begin();
+		const std::size_t              firstGrain = 3; // obstacles stand before it
+		const auto                     rank       = [&](const std::string& shape) {
+                return std::size_t(
+                        std::find(supported.begin(), supported.end(), shape) - supported.begin());
 		};
 		if (rank(shape1) > rank(shape2)) std::swap(shape1, shape2);
-		const bool exists = rank(shape2) == 3 || rank(shape2) == 4;
+		const bool exists = rank(shape2) >= firstGrain && rank(shape2) < supported.size();
 		return exists ? "Ig2_" + shape1 + '_' + shape2 + "_RcrGeom" : std::string();
 	}
 

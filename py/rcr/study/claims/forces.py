@@ -108,7 +108,7 @@ def _(v):
     i_m, pdf = v["i_m"], v["pdf"]
     r2, inner_r2 = (require_finite(pearson(i_m[:end], pdf[:end])) ** 2 for end in (None, -1))
     (slope, error), (inner, _) = slope_of(i_m, pdf), slope_of(i_m[:-1], pdf[:-1])
-    without = f"without the last bin {inner:.2f}, {inner_r2:.2f}; last bin {pdf[-1]:.2f}"
+    without = f"without the last bin (P = {pdf[-1]:.2f}): slope {inner:.2f}, r² {inner_r2:.2f}"
     value = f"slope {slope:.2f}, r² {r2:.2f}; {without}"
     return slope < 0 and r2 >= 0.8, value, f"slope {error:.1g}"
 
@@ -123,6 +123,6 @@ def _(v):
 
 
 @claim("O9", "chains of particles with side-side contacts, of like orientation",
-       "a map: to be looked at")
+       "judged by eye")
 def _(v):
-    raise NotTested("see the map")
+    raise NotTested("nobody has judged the map")

@@ -199,7 +199,7 @@ def _(v):
 
 
 claim("O17", "a_ft rises with ξ",
-      "no fall with ξ beyond 10 % of its range or two errors, at every η (largest given)")(
+      "no fall with ξ beyond 10 % of its range or two errors, at every η (largest fall given)")(
     lambda v: is_monotonic(v, "a_ft", +1))
 claim("O17", "a_ft rises with η", "slope of a_ft(∞) positive beyond two errors")(
     lambda v: trend(v | dict(whole=v["a_ft"][:, -1]), "whole", +1))

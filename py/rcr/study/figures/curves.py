@@ -49,7 +49,7 @@ def plot_strength(value, ax):
     """Draw sin φ of the critical state against η, with the paper's line [O1]."""
     line = np.array([0, 0.7])
     ax.plot(line, 0.3 + 0.3 * line, color="0.5", ls="--", label=r"paper: $0.30 + 0.30\,\eta$")
-    _draw_by_eta(value, "sin_phi", ax, label="critical state")
+    _draw_by_eta(value, "sin_phi", ax, label="mean (second half)")
     ax.set(ylabel=r"$\sin\varphi$", ylim=(0, None))
     ax.legend(loc="lower right")
     return ax
