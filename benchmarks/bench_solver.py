@@ -1,8 +1,9 @@
 """Time the contact solvers on one-step problems from files, alone and against Siconos.
 
 Prints tables and writes them as CSV: sweeps (time per contact point and sweep), tolerances (time to
-a residual, checked in NumPy) and peers. Times are the minimum of several runs. With one thread they
-are processor time, which other programs hardly change; with more they are wall-clock time.
+a residual, checked in NumPy), peers, and parallel (wall-clock time to a residual by number of
+threads). Times are the minimum of several runs. In the other tables they are processor time, which
+other programs hardly change; sweeps of more than one thread have wall-clock time.
 """
 
 import json
@@ -29,6 +30,7 @@ COLUMNS = dict(
                 "residual_numpy", "reached"],
     peers=[*ABOUT, "peer", "start", "tolerance", "iterations", "seconds", "residual",
            "reached", "ns"],
+    parallel=[*ABOUT, "program", "threads", "tolerance", "iterations", "seconds", "residual"],
 )
 
 
@@ -108,6 +110,54 @@ def siconos_rows(case, warm, options):
                    reached=row["residual"] <= row["tolerance"], ns=found["ns"])
 
 
+def parallel_rows(case, options):
+    """Wall-clock time to each tolerance from zero impulses, by number of threads."""
+    for threads in options.threads:
+        about = dict(case.about, threads=threads)
+        for solver in options.solvers:
+            for tolerance in sorted(options.tolerances, reverse=True):
+                run = partial(case.solve, solver=solver, tolerance=tolerance, threads=threads,
+                              max_iterations=options.max_iterations, workspace=kernel.Workspace())
+                (found,) = measure.best(options.repeats, options.budget, run, by="seconds")
+                if found["residual"] > tolerance:
+                    break
+                yield dict(about, program=f"rcr {solver}", tolerance=tolerance,
+                           **{name: found[name] for name in ("iterations", "seconds", "residual")})
+        program = os.path.join(os.path.abspath(options.peers), "siconos_nsgs")
+        if os.path.exists(program):
+            for row in _siconos_runs(program, case.delassus, threads, options):
+                yield dict(about, program="Siconos NSGS", **row)
+
+
+def _siconos_runs(program, delassus, threads, options):
+    """Rows of the fewest iterations of benchmarks/peers/siconos_nsgs to each tolerance."""
+    with tempfile.TemporaryDirectory() as folder:
+        problem, impulses = (os.path.join(folder, name) for name in ("problem.dat", "impulses"))
+        with open(problem, "w") as file:
+            file.write(siconos_text(delassus))
+        found = json.loads(outside.run([program, problem, impulses, str(threads),
+                                        str(options.limit)], try_here=True))
+        runs = np.fromfile(impulses).reshape(len(found["seconds"]), -1, 2)
+    pending = sorted(options.tolerances)
+    for iterations, seconds, impulse in zip(found["iterations"], found["seconds"], runs):
+        residual = measure.residual_of(delassus, impulse)
+        while pending and residual <= pending[-1]:
+            yield dict(tolerance=pending.pop(), iterations=iterations, seconds=seconds,
+                       residual=residual)
+
+
+def siconos_text(delassus):
+    """A DelassusProblem as Siconos' text file, with W in blocks of 2 × 2."""
+    d, nc = delassus, delassus.contacts
+    ends = 2 * np.arange(1, nc + 1)
+    lines = [[2], [nc], [1], [2 * nc, 2 * nc], [len(d.column)], [nc, nc], ends, ends, [nc + 1],
+             [len(d.column)], d.row_start, d.column]
+    for k, block in enumerate(d.block.reshape(-1, 2, 2)):
+        lines += [[k], block.T.ravel()]
+    lines += [d.q.ravel(), d.friction]
+    return "\n".join(" ".join(map(str, np.asarray(line).tolist())) for line in lines) + "\n"
+
+
 # ---- the script
 
 def arguments():
@@ -117,8 +167,9 @@ def arguments():
         help="file .npz, .h5, .hdf5 or .dat (default: lattices, for sweeps only)")
     add("--mirror", type=script.at_least(0, 20), default=0, metavar="K",
         help="also each problem doubled 1 … K times by reflection at its walls")
-    add("--only", nargs="+", choices=("sweeps", "tolerances"), default=["sweeps", "tolerances"],
-        help="tables to measure (default: both)")
+    add("--only", nargs="+", choices=("sweeps", "tolerances", "parallel"),
+        default=["sweeps", "tolerances"],
+        help="tables to measure (default: sweeps tolerances)")
     add("--solvers", nargs="+", choices=kernel.solver_names(), default=list(SOLVERS), metavar="S",
         help="solvers of the tolerances (default: nesterov exact auto)")
     add("--tolerances", type=script.number("numbers between 0 and 1", lambda v: 0 < v < 1),
@@ -127,13 +178,14 @@ def arguments():
     add("--warm", action="store_true",
         help="start the tolerances from the impulses in the files too")
     add("--threads", type=script.THREADS, nargs="+", default=[1, 2], metavar="N",
-        help="numbers of threads of the sweeps (default: 1 2)")
+        help="numbers of threads of sweeps and parallel (default: 1 2)")
     tables.add_repeats(parser, 20, budget=5, run="a run to a tolerance")
     add("--max-iterations", type=script.at_least(1), default=100000, metavar="N",
         help="largest number of iterations to a tolerance")
     add("--siconos", metavar="PYTHON",
         help="for the tolerances: a Python with siconos.numerics and scipy, inside or outside the "
         "environment")
+    tables.add_peers(parser, "; also of siconos_nsgs, for parallel")
     add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=20, metavar="S",
         help="time limit of Siconos [s]")
     script.add_results(parser, "tables")
@@ -164,6 +216,8 @@ def measured(options):
                     made["tolerances"] += tolerance_rows(case, solver, warm, options)
                 if options.siconos:
                     made["peers"] += siconos_rows(case, warm, options)
+        if "parallel" in options.only:
+            made["parallel"] += parallel_rows(case, options)
     return made
 
 

@@ -74,16 +74,14 @@ public:
 		return *std::max_element(ofChunk.begin(), ofChunk.end());
 	}
 
-	/// Within run: calls lead() with or without helpers, as `choice` decides. Records the time over
-	/// `work`, the amount of work done.
-	template <class Lead> void runAdaptive(ParallelChoice& choice, double work, Lead lead)
+	/// Within run: calls lead(), which shares its loops if `choice` says so. Records the time over
+	/// `work`, the amount of work done, unless there are no helpers to choose.
+	template <class Lead> void runTimed(ParallelChoice& choice, double work, Lead lead)
 	{
 		if (!helped_) return lead();
-		const bool parallel = helped_ = choice.parallel();
-		const auto start              = Clock::now();
+		const auto start = Clock::now();
 		lead();
 		choice.record(std::chrono::duration<double>(Clock::now() - start).count() / work);
-		if (!parallel) helped_ = true;
 	}
 
 private:

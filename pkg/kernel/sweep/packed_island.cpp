@@ -89,7 +89,9 @@ void PackedIsland::sweep(double relaxation)
 {
 	beginSweep();
 	inPrecision([&](const auto& view, const auto& kernels) {
-		forEachChunk([&](const Chunk& chunk, int) { kernels.sweep(view, chunk, relaxation); });
+		timeSweep([&] {
+			forEachChunk([&](const Chunk& chunk, int) { kernels.sweep(view, chunk, relaxation); });
+		});
 		forEachOverflowPoint([&](OverflowPoint& c) {
 			LocalVector p = solve(view, c, c.p);
 			if (relaxation != 1) p = projectCone(c.p + relaxation * (p - c.p), c.friction);
@@ -125,18 +127,14 @@ double PackedIsland::sweepMomentum(View<Real>& view, const SweepKernels<Real>& k
 		packed_.stretchRate_    = now + momentum * (now - packed_.oldStretchRate_);
 		packed_.oldStretchRate_ = now;
 	}
-	const auto sweepSections = [&] {
+	timeSweep([&] {
 		forEachSection([&](const Section& section) {
 			extrapolate(section.records);
 			forEachChunk(section, [&](const Chunk& chunk, int k) {
 				packed_.sum_[k] = kernels.sweepMomentum(view, chunk, momentum, yielding);
 			});
 		});
-	};
-	if (island_.shared)
-		packed_.team.runAdaptive(packed_.sweepChoice_, island_.points, sweepSections);
-	else
-		sweepSections();
+	});
 	double change2 = sum(packed_.sum_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const LocalVector from = c.p + momentum * (c.p - c.old);

@@ -103,16 +103,25 @@ private:
 	}
 
 	/// Calls work(section) for all partitions, then for all interfaces; in parallel if the island
-	/// is shared.
+	/// is shared and helpers save time.
 	template <class Work> void forEachSection(Work work)
 	{
+		const bool parallel = island_.shared && packed_.sweepChoice_.parallel();
 		for (const Range sections : { island_.partitions, island_.interfaces }) {
 			const auto workOn = [&](int k) { work(packed_.layout_.sections()[k]); };
-			if (island_.shared) packed_.team.parallelFor(sections.begin, sections.end, workOn);
+			if (parallel) packed_.team.parallelFor(sections.begin, sections.end, workOn);
 			else
 				for (int k = sections.begin; k < sections.end; ++k)
 					workOn(k);
 		}
+	}
+	/// Calls the loops of a sweep, and records their time for the choice of helpers.
+	template <class Loops> void timeSweep(Loops loops)
+	{
+		if (island_.shared)
+			packed_.team.runTimed(packed_.sweepChoice_, island_.points, loops);
+		else
+			loops();
 	}
 	/// Calls kernel(chunk, its number) for all chunks of a section.
 	template <class Kernel> void forEachChunk(const Section& section, Kernel kernel)
