@@ -135,8 +135,9 @@ def _siconos_runs(program, delassus, threads, options):
         problem, impulses = (os.path.join(folder, name) for name in ("problem.dat", "impulses"))
         with open(problem, "w") as file:
             file.write(siconos_text(delassus))
-        found = json.loads(outside.run([program, problem, impulses, str(threads),
-                                        str(options.limit)], try_here=True))
+        answer = outside.run([program, problem, impulses, str(threads), str(options.limit)],
+                             try_here=True)
+        found = json.loads(answer.splitlines()[-1])  # Siconos may print lines before
         runs = np.fromfile(impulses).reshape(len(found["seconds"]), -1, 2)
     pending = sorted(options.tolerances)
     for iterations, seconds, impulse in zip(found["iterations"], found["seconds"], runs):

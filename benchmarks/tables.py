@@ -22,7 +22,7 @@ def add_repeats(parser, repeats, budget=None, runs="runs", run="a run"):
 
 def add_peers(parser, note=""):
     parser.add_argument("--peers", default=PEERS, metavar="DIR",
-                        help="folder of chipmunk_step and box2d_step (default: build/peers)" + note)
+                        help="folder of the programs of benchmarks/peers (default: build/peers)" + note)
 
 
 def store(program, options, columns, measured):

@@ -42,6 +42,7 @@ struct Outcome {
 	std::vector<double>     seconds;
 	std::vector<ContactRow> contacts;
 	std::vector<Velocity>   before, after;
+	bool                    complete = true; // impulses are those of the whole step
 };
 
 constexpr double wallHalfLength = 1000, wallThickness = 2;
@@ -93,7 +94,8 @@ template <class Row, class Write> void printList(const char* name, const std::ve
 inline void print(const Outcome& outcome)
 {
 	const auto velocity = [](const Velocity& v) { std::printf("[%.17g, %.17g, %.17g]", v.x, v.y, v.omega); };
-	std::printf("{\"library\": \"%s\"", outcome.library.c_str());
+	std::printf("{\"library\": \"%s\", \"complete\": %s", outcome.library.c_str(),
+	        outcome.complete ? "true" : "false");
 	printList("seconds", outcome.seconds, [](double s) { std::printf("%.9g", s); });
 	printList("contacts", outcome.contacts, [](const ContactRow& c) {
 		std::printf("[%d, %d, %.17g, %.17g, %.17g, %.17g, %.17g, %.17g, %.17g, %.17g, %.17g, %.17g]", c.body1, c.body2, c.nx, c.ny, c.r1x, c.r1y,

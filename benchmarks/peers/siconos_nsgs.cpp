@@ -24,7 +24,7 @@ extern "C" int PetscInitializeNoArguments(void); // its header requires MPI
 
 namespace {
 
-constexpr int    first = 20, repeats = 3;
+constexpr int    first = 20, repeats = 2;
 constexpr double growth = 1.2;
 
 /// Wall time of this number of iterations [s]; `impulses` are those at their end.

@@ -19,7 +19,7 @@ from problem_files import npz
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
-from benchmarks import measure
+from benchmarks import bench_solver, measure
 from benchmarks import packing as packings
 from benchmarks import points_of_sides
 
@@ -141,6 +141,28 @@ def test_impulses_of_siconos_have_the_residual_that_it_prints(files):
     assert all(row["reached"] == "True" for row in peers)
 
 
+def test_bench_solver_compares_threads_with_siconos(files):
+    """The first run of the other program that meets a tolerance makes the row."""
+    solution = problems.load(files / "small.npz").delassus().impulse
+    np.array([0 * solution, solution]).tofile(files / "runs")
+    program = answer(files / "siconos_nsgs", iterations=[20, 40], seconds=[1.0, 2.0])
+    program.write_text(program.read_text() + f"cp '{files / 'runs'}' \"$2\"\n")
+    rows = bench("bench_solver.py", files / "small.npz", "--only", "parallel", "--solvers", "nlgs",
+                 "--tolerances", "1e-2", "--peers", files, *FAST, out=files / "out")("parallel")
+    assert [(row["program"], row["threads"]) for row in rows] == [
+        ("rcr nlgs", "1"), ("Siconos NSGS", "1"), ("rcr nlgs", "2"), ("Siconos NSGS", "2")]
+    assert all(float(row["residual"]) <= 1e-2 for row in rows)
+    assert rows[1]["iterations"] == "40"
+
+
+def test_siconos_reads_our_problems(files):
+    problem = problems.load(files / "small.npz").delassus()
+    (files / "small.dat").write_text(bench_solver.siconos_text(problem))
+    read = problems.load(files / "small.dat")
+    for name in "row_start", "column", "block", "q", "friction":
+        np.testing.assert_allclose(getattr(read, name), getattr(problem, name), atol=1e-15)
+
+
 @pytest.mark.parametrize("name, options, says", [
     ("none.npz", "", "none.npz"),
     ("small.npz", "--solvers best", "--solvers invalid choice: 'best'"),
@@ -199,32 +221,35 @@ def test_bench_step_writes_its_table(packing, tmp_path):
     before, after = np.zeros((10, 3)), np.zeros((10, 3))
     before[0, 1] = -1
     after[8, 0] = -0.01 * 2 / np.sqrt(6)  # pushed: dt, force, mass
-    for name in "chipmunk", "box2d":
+    for name in "chipmunk", "box2d", "box2d_v3":
         answer(tmp_path / f"{name}_step", library="Other 1", seconds=[1e-3] * 20,
                contacts=[contact], before=before.tolist(), after=after.tolist())
     ours, others = [], []
     for row in bench("bench_step.py", packing, "--peers", tmp_path, "--repeats", 1,
                      out=tmp_path / "out")("step"):
         (ours if row["library"].startswith("rcr") else others).append(row)
-    assert [row["library"] for row in ours] == ["rcr nlgs", "rcr nesterov"] and len(others) == 4
+    assert [row["library"] for row in ours] == ["rcr nlgs", "rcr nesterov"] and len(others) == 6
     for row in others:
         assert float(row["residual"]) < 1e-15 and float(row["velocity_error"]) < 1e-15
         assert float(row["mean_overlap"]) == pytest.approx(0.003 - 0.001) and row["points"] == "1"
 
 
-@pytest.mark.parametrize("name", ["chipmunk", "box2d"])
-def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
+@pytest.mark.parametrize("name, library, iterations, rounding, residual", [
+    ("chipmunk", "Chipmunk", 2000, 1e-12, 1e-11), ("box2d", "Box2D 2", 2000, 1e-4, 1e-3),
+    ("box2d_v3", "Box2D 3", 1, 1e-4, 1),  # soft contacts
+])
+def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name, library, iterations,
+                                                 rounding, residual):
     """Velocities of a library follow from its impulses, and many iterations satisfy its laws."""
     program = ROOT / "build" / "peers" / f"{name}_step"
     if not program.exists():
         pytest.skip(f"{program.name} is not built")
-    rows = bench("bench_step.py", packing, "--iterations", 2000, "--repeats", 1,
+    rows = bench("bench_step.py", packing, "--iterations", iterations, "--repeats", 1,
                  out=tmp_path / "out")("step")
-    cold, warm = (row for row in rows if row["library"].lower().startswith(name))
-    rounding = 1e-12 if name == "chipmunk" else 1e-4  # Box2D computes in single precision
+    cold, warm = (row for row in rows if row["library"].startswith(library))
     for row in cold, warm:
-        assert float(row["velocity_error"]) < rounding and float(row["residual"]) < 10 * rounding
-    assert int(cold["points"]) == 17
+        assert float(row["velocity_error"]) < rounding and float(row["residual"]) < residual
+    assert name == "box2d_v3" or int(cold["points"]) == 17
 
 
 @pytest.mark.parametrize("name, options, says", [
