@@ -221,24 +221,25 @@ def _cell(value, error):
 
 def plot(rows, options):
     groups = {key: group for key, group in _groups(rows).items() if _with(group, BASE)}
-    figure = Figure(figsize=(2 + 3 * max(1, len(groups)), 7), layout="constrained")
+    figure = Figure(figsize=(2 + 3 * max(1, len(groups)), 11), layout="constrained")
     axes = figure.subplots(1, max(1, len(groups)), sharex=True, sharey=True, squeeze=False)[0]
     names = [name for name in OBSERVED if name != "missed"]  # an error of the solver
     styles = [LIMIT, *CHANGES.values(), LATER]
+    step = 0.8 / (len(styles) - 1)
     for ax, ((eta, particles), group) in zip(axes, groups.items()):
         for k, name in enumerate(names):
+            if k % 2:
+                ax.axhspan(k - 0.5, k + 0.5, color="0.93", lw=0)
             found = changes(group, name)
             for j, (label, marker, fill) in enumerate(styles):
                 value, error = found.get(label, (math.nan, math.nan))
-                ax.errorbar([value], [k + 0.09 * (j - (len(styles) - 1) / 2)], color="k",
+                ax.errorbar([value], [k + step * (j - (len(styles) - 1) / 2)], color="k",
                             xerr=[np.nan_to_num(error)], marker=marker, mfc=fill, ms=5, lw=0.7,
                             ls="", label=label if k == 0 else None)
         ax.axvline(0, color="k", lw=0.7)
         ax.set(title=f"η = {eta:g}, N = {particles:g}", ylim=(len(names) - 0.5, -0.5),
                xlabel="change from the base setting")
         ax.set_yticks(range(len(names)), [OBSERVED[name] for name in names])
-        for k in range(len(names) - 1):
-            ax.axhline(k + 0.5, color="0.85", lw=0.5)
     if groups:
         legend_outside(figure, figure.axes[0], "lower center", 5, fontsize=9)
     return figure

@@ -111,6 +111,21 @@ def step_threads():
                  lines)
 
 
+def parallel():
+    """Wall-clock time to a residual by threads, from scripts/bench_solver.py --only parallel."""
+    rows, lines = measured("parallel"), []
+    programs = "rcr auto", "rcr nlgs", "Siconos NSGS"
+    keys = dict.fromkeys((row["problem"], row["tolerance"], row["threads"]) for row in rows)
+    for problem, tolerance, threads in sorted(keys, key=lambda key: (key[0], -key[1], key[2])):
+        of = {row["program"]: row for row in rows
+              if (row["problem"], row["tolerance"], row["threads"]) == (problem, tolerance, threads)}
+        grains, eta = re.match(r"n(\d+)_e([\d.]+)_", problem).groups()
+        cell = lambda name: f"{1e3 * of[name]['seconds']:.3g} ({of[name]['iterations']:.0f})"
+        lines.append([grains, eta, f"{tolerance:.0e}", f"{threads:.0f}",
+                      *(cell(name) if name in of else "" for name in programs)])
+    return table(["grains", "η", "residual", "threads", *programs], lines)
+
+
 def points_of_sides():
     """Side-side contacts as one contact and as four, from benchmarks/points_of_sides.py."""
     rows = measured("points-of-sides")
@@ -204,7 +219,7 @@ TABLES = {
     "quasi-static": lambda: ratios("e", "e-quasi-static", quasi_static_row),
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
-    sloshing, step_threads, points_of_sides, driven_scenes)}
+    sloshing, step_threads, parallel, points_of_sides, driven_scenes)}
 
 
 def updated(page):
