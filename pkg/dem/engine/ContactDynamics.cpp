@@ -44,7 +44,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 	if (validator_.hasNewScene(*scene)) {
 		energy = {};
 		set<&ContactDynamics::monitor>(StepMonitor {});
-		meanStretchRate = Vector2r::Zero();
+		meanStretchRate = stretchChange = Vector2r::Zero();
 		observer_.restart();
 	}
 	rcr::ThreadTeam& team  = workspace_.team();

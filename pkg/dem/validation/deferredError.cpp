@@ -25,13 +25,13 @@ template struct RunMutex<&ThreadRunner::m_runmutex>;
 namespace {
 
 	std::mutex  mutex;
-	std::string pending; // message of the first deferred error; empty: none
-	std::string ended;   // message of the exception that ended the last step
+	std::string pending;   // message of the first deferred error; empty: none
+	std::string stepError; // message of the exception that ended the last step
 
-	// error of the scene that acceptContact found, and the step
-	std::string  left;
-	const Scene* leftBy   = nullptr;
-	long         leftStep = 0;
+	// error of a scene that was found in a parallel loop, and its step
+	std::string  sceneError;
+	const Scene* errorScene = nullptr;
+	long         errorStep  = 0;
 
 	int raise(void*)
 	{
@@ -56,21 +56,21 @@ void deferError(const std::string& message)
 void leaveSceneError(const Scene& scene, const std::string& message)
 {
 	const std::lock_guard<std::mutex> lock(mutex);
-	left = message, leftBy = &scene, leftStep = scene.iter;
+	sceneError = message, errorScene = &scene, errorStep = scene.iter;
 }
 
 std::string takeSceneError(const Scene& scene)
 {
 	const std::lock_guard<std::mutex> lock(mutex);
-	const bool isOfStep = leftBy == &scene && leftStep == scene.iter;
-	leftBy              = nullptr;
-	return isOfStep ? left : std::string();
+	const bool isOfStep = errorScene == &scene && errorStep == scene.iter;
+	errorScene          = nullptr;
+	return isOfStep ? sceneError : std::string();
 }
 
 void rememberError(const std::string& message)
 {
 	const std::lock_guard<std::mutex> lock(mutex);
-	ended = message;
+	stepError = message;
 }
 
 std::string takeError()
@@ -79,7 +79,7 @@ std::string takeError()
 	const auto                        run = runThread(Omega::instance());
 	const std::string thrown
 	        = run->workerThrew.exchange(false) ? run->workerException.what() : "";
-	return ended.empty() ? thrown : std::exchange(ended, {});
+	return stepError.empty() ? thrown : std::exchange(stepError, {});
 }
 
 void awaitStart()
@@ -99,7 +99,7 @@ void awaitEnd()
 	const auto run = runThread(Omega::instance());
 	Py_BEGIN_ALLOW_THREADS;
 	{
-		const std::lock_guard<std::mutex> ended(runMutex(*run));
+		const std::lock_guard<std::mutex> untilRunEnds(runMutex(*run));
 	}
 	Py_END_ALLOW_THREADS;
 }

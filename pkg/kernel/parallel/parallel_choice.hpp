@@ -2,10 +2,10 @@
 //
 // Helpers do not pay off if their cores are busy, or if moving data between caches takes longer
 // than the work saved. The size of a loop does not predict this. Both modes are therefore tried for
-// some rounds. The first rounds of a mode fill the caches and do not count. A short trial measures
-// the fastest time of a mode, but not its delays. The slowdown of a chosen mode is the mean time of
-// its rounds over the fastest. Later trials multiply the fastest time of this mode by it. Results
-// do not depend on the mode.
+// some rounds. The first rounds of a mode fill the caches and do not count. A trial is too short to
+// see delays. It therefore compares the mean time of the chosen mode with the fastest time of the
+// tried mode times its slowdown: mean over fastest time when that mode was last chosen. Results do
+// not depend on the mode.
 #pragma once
 
 #include <algorithm>
@@ -32,11 +32,11 @@ public:
 private:
 	static constexpr int    warmUp      = 2; // rounds that do not count
 	static constexpr int    trialRounds = 8; // rounds of a trial
-	// rounds between trials, which take 2 % of the time if the other mode is twice as slow
+	// rounds between trials, which cost 2 % of the time if the other mode is twice as slow
 	static constexpr int    interval    = 400;
 	static constexpr double muchSlower  = 2; // ratio to the other mode that ends a trial at once
 	static constexpr double maxSlowdown = 3; // beyond, the load of the machine has changed
-	static constexpr double memory      = 0.9; // factor of slowdown − 1 of the unused mode per trial
+	static constexpr double memory      = 0.9; // each trial of a mode multiplies slowdown − 1 by it
 
 	/// Times of a mode since its last start.
 	struct Mode {
@@ -66,8 +66,8 @@ private:
 	void choose()
 	{
 		if (mode_[!parallel_].rounds == 0) return tryOther();
-		const Mode &tried = mode_[parallel_], &chosen = mode_[!parallel_];
-		if (tried.slowdown * tried.fastest >= chosen.mean()) parallel_ = !parallel_;
+		const Mode &tried = mode_[parallel_], &former = mode_[!parallel_];
+		if (tried.slowdown * tried.fastest >= former.mean()) parallel_ = !parallel_;
 		mode_[parallel_].begin();
 		trying_ = false;
 		rounds_ = 0;

@@ -18,14 +18,14 @@ namespace rcr {
 
 class ThreadTeam {
 public:
-	/// Calls lead() on this thread while up to threads − 1 helpers are available for its loops.
-	/// Within another run, `threads` is ignored. Helpers that sleep or were released after a stall
-	/// are then requested again.
-	template <class Lead> void run(int threads, Lead lead)
+	/// Calls algorithm() on this thread while up to threads − 1 helpers are available for its
+	/// loops. Within another run, `threads` is ignored. Every run requests helpers that sleep or
+	/// were released after a stall.
+	template <class Algorithm> void run(int threads, Algorithm algorithm)
 	{
 		if (running_) {
 			request();
-			lead();
+			algorithm();
 			return;
 		}
 		threads_ = threads, running_ = true;
@@ -34,11 +34,11 @@ public:
 			~Run() { team.end(); }
 		} run { *this };
 		request();
-		lead();
+		algorithm();
 	}
 
-	/// Within run: calls work(i) once for each begin ≤ i < end, on any thread and in any order.
-	/// Returns when all calls are done. Rethrows the exception of the smallest i.
+	/// Within run, but not within `work`: calls work(i) once for each begin ≤ i < end, on any thread
+	/// and in any order. Returns when all calls are done. Rethrows the exception of the smallest i.
 	template <class Work> void parallelFor(int begin, int end, Work work)
 	{
 		if (!helped_ || end - begin < 2) {
@@ -74,13 +74,13 @@ public:
 		return *std::max_element(ofChunk.begin(), ofChunk.end());
 	}
 
-	/// Within run: calls lead(), which shares its loops if `choice` says so. Records the time over
-	/// `work`, the amount of work done, unless there are no helpers to choose.
-	template <class Lead> void runTimed(ParallelChoice& choice, double work, Lead lead)
+	/// Within run: calls loops(), which ask choice.parallel() whether to share. Records their time
+	/// divided by `work`, the amount of work done. Without helpers nothing is recorded.
+	template <class Loops> void runTimed(ParallelChoice& choice, double work, Loops loops)
 	{
-		if (!helped_) return lead();
+		if (!helped_) return loops();
 		const auto start = Clock::now();
-		lead();
+		loops();
 		choice.record(std::chrono::duration<double>(Clock::now() - start).count() / work);
 	}
 

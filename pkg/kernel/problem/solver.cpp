@@ -10,17 +10,18 @@
 namespace rcr {
 
 constexpr double exactBelow = 1e-6; // residual below which exact steps are faster [-]
-constexpr int    leastPatience = 300; // least sweeps without a new lowest residual to exact steps
+constexpr int    leastPatience = 300; // lower bound of patience()
 constexpr int    exactIterations = 10; // exact iterations that cost as much as patience()
-constexpr int    smallProblem = 1000; // points; exact steps cost at most some hundred sweeps
+constexpr int    smallProblem = 1000; // points; all exact steps cost at most some hundred sweeps
 constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
-// a test of divergence needs 20 iterations; later passes may have only ten
+// a test of divergence needs 20 iterations; later passes may be limited to ten
 constexpr int    minIterationsToProbe = 20;
-constexpr int    sweepsFromZero = 100; // for impulses of positive cost; a few remove most of it
+constexpr int    sweepsFromZero = 100; // they replace impulses that would add energy
 // factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift
 constexpr double smallProblemFloorFactor = 1e-3;
 constexpr int    maxFineWork = 15000; // most exact iterations × points for this finer floor
-constexpr double mostRebounds = 3; // impulse of a rigid contact beyond yieldImpulse, over |b_n|/w_nn
+// a rigid contact may exceed yieldImpulse by this many impulses |b_n|/w_nn of its rebound
+constexpr double mostRebounds = 3;
 
 static bool frictionless(const ContactProblem& problem)
 {
@@ -46,7 +47,7 @@ static bool mustYieldAt(const ContactProblem& problem, std::size_t k, const Sett
 }
 
 /// Largest |u_free| of a point [m/s].
-static double freeSpeed(const ContactProblem& problem)
+static double largestFreeSpeed(const ContactProblem& problem)
 {
 	return std::sqrt(std::accumulate(problem.points.begin(), problem.points.end(), 0.0,
 	        [&](double largest, const ContactPoint& c) {
@@ -62,6 +63,15 @@ static bool hasPositiveCost(const ContactProblem& problem, PointIterator first, 
 	const double cost = std::accumulate(first, last, 0.0,
 	        [&](double sum, std::int32_t k) { return sum + costOf(problem, k); });
 	return !(cost <= 0); // true also if products of large impulses overflow to NaN
+}
+
+/// The same of all points.
+static bool hasPositiveCost(const ContactProblem& problem)
+{
+	double cost = 0;
+	for (std::size_t k = 0; k < problem.points.size(); ++k)
+		cost += costOf(problem, k);
+	return !(cost <= 0);
 }
 
 /// Returns true if contacts have yielded in an earlier pass of the step.
@@ -114,7 +124,7 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 }
 
 /// Returns true if `auto` runs exact steps as `exact` does.
-static bool isFine(const ContactProblem& problem, const Settings& settings)
+static bool isTight(const ContactProblem& problem, const Settings& settings)
 {
 	return settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem);
 }
@@ -138,7 +148,7 @@ static Report sweepTogether(ContactProblem& problem, const std::string& solver,
 	if (solver == "sor") return solveNlgs(problem, settings, workspace, sorRelaxation);
 	if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
 		return solveNesterov(problem, settings, workspace);
-	if (solver == "exact" || isFine(problem, settings))
+	if (solver == "exact" || isTight(problem, settings))
 		return sweepForExactSteps(problem, settings, workspace);
 	Settings sweeps = settings;
 	sweeps.ofIsland = firstSweepsOfAuto;
@@ -218,7 +228,7 @@ static Report solveRigid(ContactProblem& problem, const std::string& solver,
 		report.yielded = true;
 		return report;
 	}
-	if (solver == "exact" || isFine(problem, settings))
+	if (solver == "exact" || isTight(problem, settings))
 		return steps.maxIterations > 0 ? solveExact(problem, steps, swept, workspace) : swept;
 	return continueAuto(problem, settings, swept, workspace);
 }
@@ -263,15 +273,13 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	        // the residual omits blocked contacts, and growing impulses lower it
 	        && (exceedsChangeBound(problem)
 	                || closesBlocked(problem,
-	                        std::max(settings.roundingVelocity, roundingShare * freeSpeed(problem)))))
+	                        std::max(settings.roundingVelocity, roundingShare * largestFreeSpeed(problem)))))
 		rigid.converged = false;
 	if (rigid.converged) {
 		std::fill(problem.yielded.begin(), problem.yielded.end(), false);
 		return rigid;
 	}
-	std::vector<std::int32_t> points(problem.points.size());
-	std::iota(points.begin(), points.end(), 0);
-	if (!hasPositiveCost(problem, points.begin(), points.end())) return rigid;
+	if (!hasPositiveCost(problem)) return rigid;
 	return solveFromZero(problem, settings, workspace).plusCostOf(rigid);
 }
 
@@ -281,7 +289,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 {
 	std::vector<std::int32_t> begin, points;
 	workspace.packed().listPoints(begin, points);
-	const auto mayYield = [&](std::int32_t k) {
+	const auto perhapsMustYield = [&](std::int32_t k) {
 		const ContactPoint& c = problem.points[k];
 		return problem.hasYielded(c.body1) || problem.hasYielded(c.body2)
 		        || mustYieldAt(problem, k, settings);
@@ -290,10 +298,10 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		if (!settings.solutionExists
 		        && (settings.yielding.compliance == 0
 		                || mayExceedEnergyBound(island)
-		                || std::any_of(first, last, mayYield)))
+		                || std::any_of(first, last, perhapsMustYield)))
 			return true;
 		if (island.converged) return false;
-		const bool isSmall = last - first <= smallProblem; // its floor may be finer
+		const bool isSmall = last - first <= smallProblem; // swept to a finer velocityFloor
 		return (takesExactSteps(solver, settings)
 		               && (isSmall || island.iterations < settings.maxIterations))
 		        || (settings.mayYield() && mayDiverge(island, settings))
@@ -313,10 +321,11 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		changed = true;
 	}
 	if (changed) {
-		const bool met = std::all_of(islands.begin(), islands.end(),
+		// islands without errors report 0, not rounding errors
+		const bool solved = std::all_of(islands.begin(), islands.end(),
 		        [](const Report& island) { return island.residual == 0; });
 		static_cast<Errors&>(report)
-		        = met ? Errors {} : errorsOf(problem, settings.velocityFloor); // 0: not of rounding
+		        = solved ? Errors {} : errorsOf(problem, settings.velocityFloor);
 		report.impulseGrowth = std::numeric_limits<double>::infinity(); // not measured
 	}
 	report.combine(std::move(islands));

@@ -74,11 +74,17 @@ void PackedIsland::recomputeVelocities()
 	if (state_.velocityRecomputed) return;
 	const double* const free = packed_.freeBody_.data()->of;
 	if (packed_.stretches_) packed_.stretchRate_ = {};
-	forEachRecords([&](const Range& records) {
+	const auto reset = [&](const Range& records) {
 		std::copy(free + offsetOf(records.begin), free + offsetOf(records.end),
 		        view_.recordAt(records.begin));
+	};
+	reset(island_.overflowRecords);
+	forEachSection([&](const Section& section) {
+		reset(section.records);
+		forEachChunk(section, [&](const Chunk& chunk, int) {
+			packed_.kernels_->apply(view_, chunk);
+		});
 	});
-	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->apply(view_, chunk); });
 	forEachOverflowPoint([&](OverflowPoint& c) { applyImpulse(view_, c, c.p); });
 	updateStretchRate();
 	state_.measures.reset();

@@ -23,17 +23,17 @@ public:
 	int number() const { return number_; }
 	int points() const { return island_.points; }
 
-	/// Computes lever arms, Delassus coefficients and freeVelocity2.
+	/// Computes lever arms, Delassus coefficients and freeVelocity2. Call it while v = v_free.
 	void prepare();
 	/// v ← v_free + M⁻¹Jᵀp, unless v has been recomputed from these impulses.
 	void recomputeVelocities();
 	/// Sweeps over the packed pairs by kernels, then over the pairs without a slot (overflow).
 	void sweep(double relaxation);
-	/// Returns ‖p − y‖², as its kernel.
+	/// Returns ‖p − y‖² [(N s)²] with the extrapolated impulses y.
 	double sweepMomentum(double momentum, const Yielding& = {});
 
-	/// Makes sweeps and `measure` use floats. Does nothing if the island is small, or if its values
-	/// or their squares come near the limits of floats.
+	/// Makes sweeps and `measure` use floats. Does nothing if the island is small, if the cell
+	/// stretches, or if values or their squares come near the limits of floats.
 	void beginMixedPrecision();
 	/// Returns to doubles: copies the impulses and recomputes the velocities from them.
 	void endMixedPrecision();

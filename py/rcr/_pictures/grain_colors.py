@@ -5,11 +5,14 @@ from dataclasses import dataclass
 import matplotlib
 import numpy as np
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, Normalize, is_color_like, to_rgba, to_rgba_array
+from matplotlib.colors import (Colormap, ListedColormap, Normalize, is_color_like, to_rgba,
+                               to_rgba_array)
 
 from rcr._data import checks
 from rcr._pictures.drawing import GRAIN
 
+# pale hues of an angle, on which black and red forces stand out
+HUES = ListedColormap(1 - 0.5 * (1 - matplotlib.colormaps["hsv"](np.linspace(0, 1, 256))), "hues")
 KIND_COLORS = ("#8fb3d9", "#f0c87a", "#9ccf9c", "#a6a6a6")  # of `rcr.frame.KINDS`
 
 
@@ -19,7 +22,7 @@ class Scale:
 
     label: str
     values: object  # function of a Frame, returns (N,)
-    cmap: str = "viridis"
+    cmap: object = "viridis"  # a Colormap of Matplotlib, or its name
     range: tuple = None  # None: from the smallest to the largest number
     ticks: tuple = None
 
@@ -32,7 +35,7 @@ def _orientation(frame):
 
 ANGLES = (0, 45, 90, 135, 180)
 SCALES = dict(
-    orientation=Scale("long axis from $x$ [°]", _orientation, "hsv", (0, 180), ANGLES),
+    orientation=Scale("long axis from $x$ [°]", _orientation, HUES, (0, 180), ANGLES),
     speed=Scale("speed [m/s]", lambda f: np.hypot(*f.velocities()[:, :2].T)),
     spin=Scale("angular velocity [1/s]", lambda f: f.grains["velocity"][:, 2], "coolwarm"),
     load=Scale("sum of normal forces [N/m]", lambda f: f.per_grain(f.normal_force()), "magma_r"),

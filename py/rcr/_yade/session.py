@@ -96,8 +96,9 @@ def _responsive(run):
 
     @functools.wraps(run)
     def wrapped(omega, nSteps=-1, wait=False):
+        _refuse_to_wait_for_itself(omega, wait)
         run(omega, nSteps, False)
-        if not _is_engine():
+        if not _in_run_thread():
             _plugin.await_start()
         if wait:
             wait_for_end(omega, 5e-3)
@@ -110,11 +111,17 @@ def _interruptible(wait):
 
     @functools.wraps(wait)
     def wrapped(omega):
-        if not _is_engine():
-            _await(omega, 5e-3)
+        _refuse_to_wait_for_itself(omega)
+        _await(omega, 5e-3)
         wait(omega)
 
     return wrapped
+
+
+def _refuse_to_wait_for_itself(omega, wait=True):
+    if wait and omega.running and _in_run_thread():
+        raise RuntimeError("rcr: an engine waits for the end of the run, which waits for this "
+                           "engine; call O.wait() or O.run(…, True) outside of the run")
 
 
 def wait_for_end(omega, longest_pause, each=lambda: None):
@@ -135,8 +142,8 @@ def _await(omega, longest_pause, each=lambda: None):
         raise
 
 
-def _is_engine():
-    """True in a thread that Python did not start: that of a run and its PyRunners."""
+def _in_run_thread():
+    """True in the thread of a run and its PyRunners, which Python did not start."""
     return isinstance(threading.current_thread(), threading._DummyThread)
 
 
@@ -147,7 +154,7 @@ def _after_step():
     An engine that calls it is part of a step, so it returns at once there.
     """
     yield
-    if not _is_engine():
+    if not _in_run_thread():
         _plugin.await_end()
 
 
@@ -178,7 +185,7 @@ def _at_rest(method, name):
 
     @functools.wraps(method)
     def wrapped(*arguments, **keywords):
-        if Omega().running and not _is_engine() and _plugin.uses_rcr():
+        if Omega().running and not _in_run_thread() and _plugin.uses_rcr():
             raise RuntimeError(f"rcr: {name} while the scene runs would end the process; call "
                                "O.pause() first, or call it from a PyRunner")
         return method(*arguments, **keywords)

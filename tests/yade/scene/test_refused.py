@@ -746,6 +746,13 @@ O.run()  # the script ends before the run
     assert result.returncode == 0, result.stderr
 
 
+@pytest.mark.parametrize("wait", ["O.wait()", "O.run(3, True)"])
+def test_an_engine_does_not_wait_for_its_own_run(wait):
+    build(grain((0, 0.1), material=material()))
+    insert(0, w.PyRunner(command=wait, iterPeriod=1))
+    refused("an engine waits for the end of the run", O.run, 5, True, error=RuntimeError)
+
+
 def test_ctrl_c_ends_a_wait():
     build(grain((0, 0.1), material=material()))
     O.run(10**7)

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from rcr._pictures import drawing
 from rcr._pictures.drawing import GRAIN, MOBILIZED, RATTLER, STRONG, STYLE, TYPES, WEAK
-from rcr._pictures.grain_colors import grain_colors
+from rcr._pictures.grain_colors import HUES, grain_colors
 from rcr.frame import Frame
 from rcr.network import SIDE_SIDE
 
@@ -114,7 +114,7 @@ def draw(observable, network):
         figure.text(0.01, 0.2 / height, rf"$\eta = {eta:g}$", va="center", fontsize=9)
         if oriented and eta > 0:
             bar = figure.add_axes((0.6, 0.26 / height, 0.36, 0.1 / height))
-            figure.colorbar(ScalarMappable(Normalize(0, 180), "hsv"), cax=bar,
+            figure.colorbar(ScalarMappable(Normalize(0, 180), HUES), cax=bar,
                             orientation="horizontal", ticks=[0, 45, 90, 135, 180])
             bar.tick_params(labelsize=7, pad=1, top=False)
             figure.text(
