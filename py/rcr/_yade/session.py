@@ -29,8 +29,9 @@ def guard():
     if hasattr(Omega.run, "__wrapped__"):  # an earlier import has added them
         return
     container = type(Omega().bodies)
-    container.erase = _at_rest(_checked_erase(container.erase), "O.bodies.erase")
-    for name in ("clear", "replace", "deleteClumpBody", "deleteClumpMember"):
+    container.erase = _checked_erase(container.erase)
+    for name in ("append", "insertAtId", "erase", "clear", "replace", "appendClumped", "clump",
+                 "addToClump", "releaseFromClump", "deleteClumpBody", "deleteClumpMember"):
         setattr(container, name, _at_rest(getattr(container, name), f"O.bodies.{name}"))
     contacts = type(Omega().interactions)
     contacts.clear = _at_rest(contacts.clear, "O.interactions.clear")
@@ -39,6 +40,7 @@ def guard():
     Omega.step = _guarded(_recorded()(_raising()(Omega.step)))
     Omega.pause = _recorded()(_after_step()(Omega.pause))
     Omega.wait = _recorded()(_raising()(_after_step()(_interruptible(Omega.wait))))
+    Omega.engines = Omega.engines.setter(_at_rest(Omega.engines.fset, "O.engines = …"))
     atexit.register(Omega().pause)  # a run must not outlive the objects that it reads
     for name in ("load", "loadTmp", "reload"):
         setattr(Omega, name, _recorded()(getattr(Omega, name)))
@@ -181,13 +183,13 @@ def _raising():
 
 
 def _at_rest(method, name):
-    """A method that removes parts of the scene, refused to a console while the scene runs."""
+    """A method that changes what a run loops over, refused to a console while the scene runs."""
 
     @functools.wraps(method)
     def wrapped(*arguments, **keywords):
         if Omega().running and not _in_run_thread() and _plugin.uses_rcr():
-            raise RuntimeError(f"rcr: {name} while the scene runs would end the process; call "
-                               "O.pause() first, or call it from a PyRunner")
+            raise RuntimeError(f"rcr: {name} while the scene runs can end the process; call "
+                               "O.pause() first, or do it in a PyRunner")
         return method(*arguments, **keywords)
 
     return wrapped

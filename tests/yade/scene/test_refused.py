@@ -711,18 +711,22 @@ def test_numbers_of_numpy_are_numbers():
     assert made.threads == 2 and list(made.observe) == [3, 4]
 
 
-@pytest.mark.parametrize("remove, name", [(lambda: O.interactions.clear(), "O.interactions.clear"),
-                                          (lambda: O.bodies.erase(1), "O.bodies.erase"),
-                                          (lambda: O.bodies.clear(), "O.bodies.clear")])
-def test_a_console_removes_nothing_while_the_scene_runs(remove, name):
-    """The run would read what is gone, and end the process."""
+@pytest.mark.parametrize("change, name", [
+    (lambda: O.interactions.clear(), "O.interactions.clear"),
+    (lambda: O.bodies.erase(1), "O.bodies.erase"),
+    (lambda: O.bodies.clear(), "O.bodies.clear"),
+    (lambda: add(rcr.particle, (3, 0.1), 0.1, 0.5), "O.bodies.append"),
+    (lambda: setattr(O, "engines", list(O.engines)), "O.engines = …"),
+])
+def test_a_console_changes_no_lists_while_the_scene_runs(change, name):
+    """The run loops over bodies, contacts and engines, and would read what is gone."""
     build(*(grain((0.3 * k, 0.1), material=material()) for k in range(3)))
     O.run()
     try:
-        refused(f"{name} while the scene runs .* O.pause", remove, error=RuntimeError)
+        refused(f"{name} while the scene runs .* O.pause", change, error=RuntimeError)
     finally:
         O.pause()
-    remove()
+    change()
     if len(O.bodies):
         O.run(3, True)
 
