@@ -206,6 +206,8 @@ CHECKS = {
     "symmetries": (python("tests/endurance/symmetries.py", "--scenes", "3000"),
                    "random small scenes: steps commute with mirrors, turns, shifts, orders and "
                    "units"),
+    "sessions": (python("tests/endurance/sessions.py", "--scenes", "300"),
+                 "random calls that start, pause, save and replace runs in the background"),
     "soak": (python(SOAK), "random scenes with repeated changes; memory stays constant"),
     "driven": (driven, "random driven scenes, rigid contacts against springs"),
     "large": (python("tests/endurance/large.py"), "2^20 separate grains, 10^5 grains in a pile"),

@@ -196,14 +196,16 @@ def _at_rest(method, name):
 
 
 def _checked_erase(erase):
-    """O.bodies.erase that rejects a periodic cell in which YADE's collider may hang.
+    """O.bodies.erase that rejects negative ids, which end the process, and some periodic cells.
 
-    The collider keeps bounds of the erased body. After a change of the cell it may never reach
-    them.
+    YADE's collider keeps bounds of the erased body. After a change of the cell, its search for the
+    place of these bounds may never end.
     """
 
     @functools.wraps(erase)
     def wrapped(bodies, id, *arguments, **keywords):
+        if id < 0:
+            raise IndexError(f"rcr: O.bodies.erase({id}): expected the id of a body, ≥ 0")
         has_run = lambda e: isinstance(e, InsertionSortCollider) and e.numReinit > 0
         if Omega().periodic and _plugin.uses_rcr() and any(map(has_run, Omega().engines)):
             raise ValueError(

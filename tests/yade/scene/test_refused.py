@@ -757,6 +757,13 @@ def test_an_engine_does_not_wait_for_its_own_run(wait):
     refused("an engine waits for the end of the run", O.run, 5, True, error=RuntimeError)
 
 
+def test_a_negative_id_is_not_erased():
+    """YADE reads the body before the first one."""
+    build(grain((0, 0.1), material=material()))
+    refused(r"erase\(-1\): expected the id of a body", lambda: O.bodies.erase(-1), error=IndexError)
+    assert len(O.bodies) == 1
+
+
 def test_ctrl_c_ends_a_wait():
     build(grain((0, 0.1), material=material()))
     O.run(10**7)
