@@ -63,7 +63,8 @@ def _saturates(v, name):
     return falls and saturates, value, error
 
 
-SATURATES = "falls by more than two errors up to η = 0.4; beyond it changes by less than half as much"
+SATURATES = ("slope up to η = 0.4 negative beyond two errors; beyond, a change less than half as "
+             "large")
 claim("O4", "α_t falls with η and saturates beyond 0.4", SATURATES)(
     lambda v: _saturates(v, "alpha_t"))
 claim("O4", "β_t falls with η and saturates beyond 0.4", SATURATES)(

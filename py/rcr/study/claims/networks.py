@@ -41,10 +41,10 @@ def _modes(v, places, sign):
 
 MODES = dict(etas=(0.2, 1), least=3)
 claim("O10", "P(ℓ_r) has a mode at 1 − η that grows with η",
-      "a local maximum there at every η ≥ 0.2, rising beyond two errors", **MODES)(
+      "a maximum there at every η ≥ 0.2; slope of its height positive beyond two errors", **MODES)(
     lambda v: _modes(v, 1 - v["eta"], +1))
 claim("O10", "P(ℓ_r) has a mode near 1 − η/2 that shrinks with η",
-      "a local maximum there at every η ≥ 0.2, falling beyond two errors", **MODES)(
+      "a maximum there at every η ≥ 0.2; slope of its height negative beyond two errors", **MODES)(
     lambda v: _modes(v, 1 - v["eta"] / 2, -1))
 claim("O10", "P(ℓ_r) has a mode near 1", "a local maximum there at every η ≥ 0.2", **MODES)(
     lambda v: _modes(v, np.ones_like(v["eta"]), 0))
