@@ -61,8 +61,7 @@ TABLE = {
     ],
     "problem/solver.cpp": [
         ("islands-judged-together", "swept.islands.size() <= 1", "true"),
-        ("keeps-positive-cost", "if (!hasPositiveCost(problem, points.begin()",
-         "if (true || !hasPositiveCost(problem, points.begin()"),
+        ("keeps-positive-cost", "if (!hasPositiveCost(problem)) return rigid;", "return rigid;"),
         ("yielded-for-ever", "std::fill(problem.yielded.begin(), problem.yielded.end(), false);",
          ""),
         ("no-cold-start", "problem.impulse.assign(problem.points.size(), {}); // their", "//"),
@@ -179,7 +178,7 @@ TABLE = {
         ("exception-kept", "if (guarded.error) std::rethrow_exception(guarded.error);", ""),
     ],
     "parallel/parallel_choice.hpp": [
-        ("slower-mode", "* tried.fastest >= chosen.mean()", "* tried.fastest < chosen.mean()"),
+        ("slower-mode", "* tried.fastest >= former.mean()", "* tried.fastest < former.mean()"),
         ("never-tries-the-other", "(!trying_ && rounds_ == interval)", "(!trying_ && rounds_ < 0)"),
         ("slowdown-forgotten",
          "chosen.slowdown = std::clamp(chosen.mean() / chosen.fastest, 1.0, maxSlowdown);", ""),
