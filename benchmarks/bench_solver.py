@@ -78,15 +78,15 @@ def sweep_rows(case, repeats, threads):
     return rows
 
 
-def tolerance_rows(case, solver, warm, options):
+def tolerance_rows(case, solver, warm, options, clock="processor_seconds", **settings):
     """Time and iterations to each tolerance, from large to small, up to the first not reached."""
     for tolerance in sorted(options.tolerances, reverse=True):
         run = partial(case.solve, warm, solver=solver, tolerance=tolerance,
-                      max_iterations=options.max_iterations)
-        (found,) = measure.best(options.repeats, options.budget, run)
+                      max_iterations=options.max_iterations, **settings)
+        (found,) = measure.best(options.repeats, options.budget, run, by=clock)
         reached = bool(found["residual"] <= tolerance)
         yield dict(case.about, solver=solver, start="warm" if warm else "cold", tolerance=tolerance,
-                   iterations=found["iterations"], seconds=found["processor_seconds"],
+                   iterations=found["iterations"], seconds=found[clock],
                    residual=found["residual"], reached=reached,
                    residual_numpy=measure.residual_of(case.delassus, found["impulse"]))
         if not reached:
@@ -112,17 +112,16 @@ def siconos_rows(case, warm, options):
 
 def parallel_rows(case, options):
     """Wall-clock time to each tolerance from zero impulses, by number of threads."""
+    if case.arrays is None:
+        raise ValueError(f"{case.about['problem']}: problems of W and q are solved on one thread; "
+                         "give one with bodies (.npz) for --only parallel")
     for threads in options.threads:
         about = dict(case.about, threads=threads)
         for solver in options.solvers:
-            for tolerance in sorted(options.tolerances, reverse=True):
-                run = partial(case.solve, solver=solver, tolerance=tolerance, threads=threads,
-                              max_iterations=options.max_iterations, workspace=kernel.Workspace())
-                (found,) = measure.best(options.repeats, options.budget, run, by="seconds")
-                if found["residual"] > tolerance:
-                    break
-                yield dict(about, program=f"rcr {solver}", tolerance=tolerance,
-                           **{name: found[name] for name in ("iterations", "seconds", "residual")})
+            rows = tolerance_rows(case, solver, False, options, clock="seconds", threads=threads,
+                                  workspace=kernel.Workspace())
+            yield from (dict(row, threads=threads, program=f"rcr {solver}")
+                        for row in rows if row["reached"])
         program = os.path.join(os.path.abspath(options.peers), "siconos_nsgs")
         if os.path.exists(program):
             for row in _siconos_runs(program, case.delassus, threads, options):

@@ -170,6 +170,7 @@ def test_siconos_reads_our_problems(files):
     ("small.npz", "--mirror -1", "--mirror -1: expected at least 0"),
     ("small.npz", "--threads 0", "--threads 0: expected at least 1"),
     ("small.npz", "--repeats 0", "--repeats 0: expected at least 1"),
+    ("small.h5", "--only parallel", "small: problems of W and q are solved on one thread"),
     ("small.npz", "--siconos /none/python --only tolerances",
      "/none/python: No such file or directory"),
 ])

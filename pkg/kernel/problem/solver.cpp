@@ -65,15 +65,6 @@ static bool hasPositiveCost(const ContactProblem& problem, PointIterator first, 
 	return !(cost <= 0); // true also if products of large impulses overflow to NaN
 }
 
-/// The same of all points.
-static bool hasPositiveCost(const ContactProblem& problem)
-{
-	double cost = 0;
-	for (std::size_t k = 0; k < problem.points.size(); ++k)
-		cost += costOf(problem, k);
-	return !(cost <= 0);
-}
-
 /// Returns true if contacts have yielded in an earlier pass of the step.
 static bool hasYielded(const ContactProblem& problem)
 {
@@ -273,13 +264,16 @@ static Report complete(ContactProblem& problem, const std::string& solver, const
 	        // the residual omits blocked contacts, and growing impulses lower it
 	        && (exceedsChangeBound(problem)
 	                || closesBlocked(problem,
-	                        std::max(settings.roundingVelocity, roundingShare * largestFreeSpeed(problem)))))
+	                        std::max(settings.roundingVelocity,
+	                                roundingShare * largestFreeSpeed(problem)))))
 		rigid.converged = false;
 	if (rigid.converged) {
 		std::fill(problem.yielded.begin(), problem.yielded.end(), false);
 		return rigid;
 	}
-	if (!hasPositiveCost(problem)) return rigid;
+	std::vector<std::int32_t> points(problem.points.size());
+	std::iota(points.begin(), points.end(), 0);
+	if (!hasPositiveCost(problem, points.begin(), points.end())) return rigid;
 	return solveFromZero(problem, settings, workspace).plusCostOf(rigid);
 }
 
