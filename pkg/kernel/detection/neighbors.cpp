@@ -5,7 +5,7 @@
 namespace rcr {
 
 constexpr double stepsAhead = 12;             // steps that a margin lasts
-constexpr double least = 0.05, most = 0.4;    // margin over the mean cap radius
+constexpr double least = 0.05, most = 0.6;    // margin over the mean cap radius
 // the list is repaired if at most 1/50 of the bodies moved
 constexpr int    repairFraction = 50;
 constexpr int    bodiesPerPart = 256;
@@ -171,7 +171,10 @@ bool Neighbors::near(std::int32_t body1, std::int32_t body2) const
 {
 	const Reference &one = reference_[body1], &two = reference_[body2];
 	const double maxGap = one.alertDistance + two.alertDistance + 2 * margin_;
-	return contactPoints(one.shape, one.pose, two.shape, two.pose, maxGap * (1 + 1e-9)).count > 0;
+	const double limit  = maxGap * (1 + 1e-9);
+	if (!mayTouch(one.shape, one.pose, two.shape, two.pose, limit)) return false;
+	return one.shape.grain()
+	        || contactPoints(one.shape, one.pose, two.shape, two.pose, limit).count > 0;
 }
 
 int Neighbors::column(double x) const { return clipped((x - origin_.x) / width_, columns_); }

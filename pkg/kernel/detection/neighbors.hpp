@@ -1,15 +1,15 @@
 // List of all pairs of bodies that may touch within some steps (Verlet list).
 //
 // A pair has a contact if its gap is at most ℓ₁ + ℓ₂, the alert distances of its bodies
-// (late_contacts.hpp). The list holds all pairs with a gap up to ℓ₁ + ℓ₂ + 2 margin. It is
-// valid while every body satisfies
+// (late_contacts.hpp). The list holds all pairs with a gap up to ℓ₁ + ℓ₂ + 2 margin,
+// and some others. It is valid while every body satisfies
 //
 //   |x − x₀| + a |τ − τ₀| + ℓ − ℓ₀ ≤ margin
 //
 // The core of a body has the unit axis τ and the half length a. The index 0 marks values at the
 // time of the list.
 //
-// 99.8 % of the bodies move less than the margin in 12 steps. It is 0.05 to 0.4 mean cap radii.
+// 99.8 % of the bodies move less than the margin in 12 steps. It is 0.05 to 0.6 mean cap radii.
 // Candidates come from a grid. A cell is at least as wide as the search circles of all but the
 // widest grains. Wide grains and obstacles search their surroundings. If few bodies violate the
 // condition, only their pairs are searched again.

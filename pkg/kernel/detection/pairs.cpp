@@ -35,7 +35,7 @@ void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 		const double    maxGap = one.alertDistance + two.alertDistance;
 		const Pose      at1 = one.pose(), at2 = two.pose();
 		Manifold        detected;
-		if (canTouch(one.shape.kind, two.shape.kind))
+		if (mayTouch(one.shape, at1, two.shape, at2, maxGap))
 			detected = contactPoints(one.shape, at1, two.shape, at2, maxGap);
 		pair.isNew = detected.count > 0 && pair.pointCount == 0;
 		if (detected.count == 0) {

@@ -99,6 +99,17 @@ inline bool comesFirst(const PlanarShape& one, int id1, const PlanarShape& two, 
 	return one.kind != two.kind ? one.kind < two.kind : id1 < id2;
 }
 
+/// Returns false if two bodies have no contact points with gaps up to `maxGap` [m]. Tests kinds and,
+/// of grains, bounds. It takes less time than contactPoints.
+inline bool mayTouch(const PlanarShape& one, const Pose& at1, const PlanarShape& two,
+        const Pose& at2, double maxGap)
+{
+	if (!canTouch(one.kind, two.kind)) return false;
+	return !one.grain()
+	        || mayTouch({ one.halfLength, one.halfWidth }, at1, { two.halfLength, two.halfWidth },
+	                at2, maxGap);
+}
+
 /// Contact points of two bodies with gaps up to `maxGap` [m]. Requires canTouch.
 Manifold contactPoints(const PlanarShape& one, const Pose& at1, const PlanarShape& two,
         const Pose& at2, double maxGap);

@@ -28,8 +28,9 @@ namespace {
 
 	double sign(double x) { return x < 0 ? -1 : 1; }
 
-	/// Projects `end` of a core onto the segment of half length a about `center`. The normal points
-	/// from the segment to the end; if the end lies on the segment, to the side of `away`.
+	/// Projects `end` of a core onto the segment of half length a about `center`. The normal of a
+	/// side points from the segment to the end; if the end lies on the segment, to the side of
+	/// `away`. The normal of two ends is left to the caller.
 	Facing project(Vec2 end, Vec2 center, Vec2 axis, double a, Vec2 away)
 	{
 		const Vec2   q = end - center;
@@ -39,10 +40,8 @@ namespace {
 			const Vec2   n = sign(h != 0 ? h : cross(axis, away)) * perp(axis);
 			return { center + s * axis, end, n, std::abs(h), true };
 		}
-		const Vec2   foot = center + (s < 0 ? -a : a) * axis, gap = end - foot;
-		const double distance = norm(gap);
-		return { foot, end, distance > 0 ? (1 / distance) * gap : direction(away, perp(axis)),
-			     distance, false };
+		const Vec2 foot = center + (s < 0 ? -a : a) * axis;
+		return { foot, end, {}, norm(end - foot), false };
 	}
 
 	Facing swapped(const Facing& f) { return { f.core2, f.core1, -f.normal, f.distance, f.side }; }
@@ -53,19 +52,22 @@ namespace {
 		return { 0.5 * (surface1 + surface2), f.normal, f.distance - radius1 - radius2 };
 	}
 
+	const Facing& closestOf(const Facing* facing, int count)
+	{
+		return *std::min_element(facing, facing + count,
+		        [](const Facing& a, const Facing& b) { return a.distance < b.distance; });
+	}
+
 	/// The closest pair of facing points, and the farthest one from it along a side with a gap up
 	/// to `maxGap`.
-	Manifold manifold(const Facing* facing, int count, double radius1, double radius2,
-	        double maxGap, Vec2 axis)
+	Manifold manifold(const Facing* facing, int count, const Facing& closest, double radius1,
+	        double radius2, double maxGap, Vec2 axis)
 	{
-		int closest = 0;
-		for (int k = 1; k < count; ++k)
-			if (facing[k].distance < facing[closest].distance) closest = k;
 		Manifold result;
-		result.points[0] = manifoldPoint(facing[closest], radius1, radius2);
-		if (!(result.points[0].gap <= maxGap)) return result;
-		result.count = 1;
-		result.type  = facing[closest].side ? ContactType::capSide : ContactType::capCap;
+		if (!(closest.distance - radius1 - radius2 <= maxGap)) return result;
+		result.points[0] = manifoldPoint(closest, radius1, radius2);
+		result.count     = 1;
+		result.type      = closest.side ? ContactType::capSide : ContactType::capCap;
 
 		const ManifoldPoint& first = result.points[0];
 		double farthest = 1e-9 * (radius1 + radius2); // closer points are the same point
@@ -178,19 +180,14 @@ namespace {
 Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, const Pose& at2,
         double maxGap)
 {
-	const Vec2   d = at2.center - at1.center;
-	const double maxDistance = s1.halfLength + s1.capRadius + s2.halfLength + s2.capRadius + maxGap;
-	if (dot(d, d) > maxDistance * maxDistance) return {};
-	// gaps between the projections of the cores, along and across each of them; negative: overlap
-	const double sine    = std::abs(cross(at1.axis, at2.axis)),
-	             cosine  = std::abs(dot(at1.axis, at2.axis));
-	const double along1  = std::abs(dot(at1.axis, d)) - s1.halfLength - s2.halfLength * cosine,
-	             across1 = std::abs(cross(at1.axis, d)) - s2.halfLength * sine,
-	             along2  = std::abs(dot(at2.axis, d)) - s2.halfLength - s1.halfLength * cosine,
-	             across2 = std::abs(cross(at2.axis, d)) - s1.halfLength * sine;
-	const double lowerBound = std::max(std::max(along1, across1), std::max(along2, across2));
-	if (lowerBound > s1.capRadius + s2.capRadius + maxGap) return {};
-
+	const Vec2     d    = at2.center - at1.center;
+	const CoreGaps gaps = coreGaps(s1, at1, s2, at2);
+	if (!(gaps.largest() <= s1.capRadius + s2.capRadius + maxGap)) return {};
+	if (s1.halfLength == 0 && s2.halfLength == 0) {
+		const double distance = norm(d);
+		const Facing centers { at1.center, at2.center, direction(d, perp(at1.axis)), distance };
+		return manifold(nullptr, 0, centers, s1.capRadius, s2.capRadius, maxGap, at1.axis);
+	}
 	const Vec2 core1 = s1.halfLength * at1.axis, core2 = s2.halfLength * at2.axis;
 	Facing     facing[4] = {
 		    project(at2.center - core2, at1.center, at1.axis, s1.halfLength, d),
@@ -199,8 +196,8 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 		    swapped(project(at1.center + core1, at2.center, at2.axis, s2.halfLength, -d)),
 	};
 	// The ends of each core lie strictly on both sides of the other. Rounding decides the sides of
-	// collinear cores, so `along1` is tested too.
-	if (across1 < 0 && across2 < 0 && along1 < 0) {
+	// collinear cores, so along1 is tested too.
+	if (gaps.across1 < 0 && gaps.across2 < 0 && gaps.along1 < 0) {
 		// Moves the end of the smallest depth back to its side. Ends beyond the other core count
 		// too, with their distance to its line: they also bound the translation.
 		Facing least;
@@ -214,9 +211,12 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 			const Facing back { end - h * side, end, -sign(h) * side, -std::abs(h), true };
 			least = k < 2 ? back : swapped(back);
 		}
-		return manifold(&least, 1, s1.capRadius, s2.capRadius, maxGap, at1.axis);
+		return manifold(nullptr, 0, least, s1.capRadius, s2.capRadius, maxGap, at1.axis);
 	}
-	return manifold(facing, 4, s1.capRadius, s2.capRadius, maxGap, at1.axis);
+	Facing closest = closestOf(facing, 4);
+	if (!closest.side)
+		closest.normal = direction(closest.core2 - closest.core1, direction(d, perp(at1.axis)));
+	return manifold(facing, 4, closest, s1.capRadius, s2.capRadius, maxGap, at1.axis);
 }
 
 Manifold shadowOverlap(const HalfPlane& wall, const Stadium& s, const Pose& at, double maxGap)
@@ -252,7 +252,8 @@ Manifold shadowOverlap(
 		facing[k].core2    = boxAt.center + toPlane(facing[k].core2);
 		facing[k].normal   = toPlane(facing[k].normal);
 	}
-	Manifold result = manifold(facing, count, 0, s.capRadius, maxGap, at.axis);
+	Manifold result = manifold(
+	        facing, count, closestOf(facing, count), 0, s.capRadius, maxGap, at.axis);
 	result.type     = ContactType::obstacle;
 	return result;
 }

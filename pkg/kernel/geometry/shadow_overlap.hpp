@@ -63,6 +63,38 @@ struct Rectangle {
 	Vec2 halfExtent;
 };
 
+/// Gaps between the projections of two cores, along and across each of them [m]; negative: overlap.
+struct CoreGaps {
+	double along1, across1, along2, across2;
+
+	/// Lower bound of the distance of the cores.
+	double largest() const
+	{
+		return std::max(std::max(along1, across1), std::max(along2, across2));
+	}
+};
+
+inline CoreGaps coreGaps(const Stadium& s1, const Pose& at1, const Stadium& s2, const Pose& at2)
+{
+	const Vec2   d      = at2.center - at1.center;
+	const double sine   = std::abs(cross(at1.axis, at2.axis)),
+	             cosine = std::abs(dot(at1.axis, at2.axis));
+	return { std::abs(dot(at1.axis, d)) - s1.halfLength - s2.halfLength * cosine,
+		std::abs(cross(at1.axis, d)) - s2.halfLength * sine,
+		std::abs(dot(at2.axis, d)) - s2.halfLength - s1.halfLength * cosine,
+		std::abs(cross(at2.axis, d)) - s1.halfLength * sine };
+}
+
+/// Returns false if the gap of two stadia certainly exceeds `maxGap`.
+inline bool mayTouch(const Stadium& s1, const Pose& at1, const Stadium& s2, const Pose& at2,
+        double maxGap)
+{
+	const Vec2   d    = at2.center - at1.center;
+	const double reach = s1.capRadius + s2.capRadius + maxGap,
+	             ends  = s1.halfLength + s2.halfLength + reach;
+	return dot(d, d) <= ends * ends && coreGaps(s1, at1, s2, at2).largest() <= reach;
+}
+
 /// Points with gaps up to `maxGap` [m].
 Manifold shadowOverlap(const Stadium&, const Pose&, const Stadium&, const Pose&, double maxGap);
 Manifold shadowOverlap(const HalfPlane&, const Stadium&, const Pose&, double maxGap);
