@@ -1,4 +1,4 @@
-"""Empties a hopper of discs and of long grains of the same area.
+"""Empties a hopper of discs, then one of long grains of the same area.
 
 A gate below the outlet is erased when the grains are at rest. The script records the fraction of
 grains below the outlet. Discs flow out, long grains can jam.

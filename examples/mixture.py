@@ -1,4 +1,4 @@
-"""Compares the load of discs and of long grains in one bed.
+"""Compares stresses in discs and in long grains of one bed.
 
 Discs and long grains are poured into a box. `rcr.contact_network` gives the stress and the number
 of contacts of each grain. The script compares their means over discs and over long grains.

@@ -27,8 +27,8 @@ STEPS = 100
 COLUMNS = "particles method seconds bytes sweeps missed points".split()
 DEPENDS = ("quick",)
 METHODS = dict(auto=("o", "k"), nlgs=("s", "w"))  # marker and filling
-PANELS = dict(seconds=("processor time a grain and step [µs]", 1e6), sweeps=("sweeps a step", 1),
-              bytes=("memory a grain [kB]", 1e-3))
+PANELS = dict(seconds=("processor time per grain and step [µs]", 1e6), sweeps=("sweeps per step", 1),
+              bytes=("memory per grain [kB]", 1e-3))
 
 
 def points(options):

@@ -17,7 +17,8 @@ def _(v):
 
 
 @claim("O2", "P(θ) is isotropic after compaction",
-       "|a_c| below 0.05, or below three times its scatter for as many random directions")
+       "|a_c| below 0.05, or below three standard deviations for the same number of random "
+       "directions")
 def _(v):
     a_c, error = require_finite(v["a_c"], "no isotropic.h5"), v["a_c_error"]
     return a_c <= np.maximum(0.05, 3 * error), a_c, error
@@ -74,7 +75,7 @@ claim("O5", "I_M from 0.4 (η = 0) to 0.6 (η = 0.7)", "both within 0.05 or two 
 
 
 @claim("O6 O5 O3", "mobilised contacts (I_m > 0.99) belong mostly to the weak network",
-       "the weak share of mobilised contacts exceeds that of all contacts, at every η")
+       "the share of weak contacts is larger among mobilised contacts than among all, at every η")
 def _(_, v, forces):
     share = require_finite(v["mobilized_weak_share"], "no mobilised contact at some η")
     return share > forces["weak_fraction"], share, v["mobilized_weak_share_error"]
