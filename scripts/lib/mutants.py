@@ -22,13 +22,12 @@ LIMIT = 600
 TABLE = {
     "geometry/shadow_overlap.cpp": [
         ("rounding-of-ends", "1 + 1e-9", "1 - 1e-9"),
-        ("foot-at-the-other-end", "(s < 0 ? -a : a) * axis, gap", "(s < 0 ? a : -a) * axis, gap"),
+        ("foot-at-the-other-end", "(s < 0 ? -a : a) * axis;", "(s < 0 ? a : -a) * axis;"),
         ("gap-with-one-radius", "f.distance - radius1 - radius2", "f.distance - radius1"),
         ("position-on-body-1", "0.5 * (surface1 + surface2)", "surface1"),
         ("second-point-of-the-back", ".side || dot(facing[k].normal, first.normal) <= 0", ".side"),
         ("nearest-second-point", "distance <= farthest)",
          "(result.count == 2 && distance >= farthest))"),
-        ("distance-without-gap", "+ s2.capRadius + maxGap;", "+ s2.capRadius;"),
         ("crossing-on-one-line", "< 0 && across2 < 0 && along1 < 0", "< 0 && across2 < 0"),
         ("deepest-end", "if (-std::abs(h) <= least.", "if (k > 0 && -std::abs(h) >= least."),
         ("wall-of-one-cap", "if (s.halfLength == 0) break;\n\t}\n\treturn result;",
@@ -36,6 +35,7 @@ TABLE = {
         ("corner-of-the-box", "std::abs(along) > sideReach * c", "std::abs(along) < sideReach * c"),
     ],
     "geometry/shadow_overlap.hpp": [
+        ("distance-without-gap", "+ s2.capRadius + maxGap,", "+ s2.capRadius,"),
         ("points-not-sorted", "[0].position, axis) < 0)", "[0].position, axis) < -1e300)"),
     ],
     "problem/coulomb.hpp": [
