@@ -28,7 +28,7 @@ TABLE = {
         ("second-point-of-the-back", ".side || dot(facing[k].normal, first.normal) <= 0", ".side"),
         ("nearest-second-point", "distance <= farthest)",
          "(result.count == 2 && distance >= farthest))"),
-        ("crossing-on-one-line", "< 0 && across2 < 0 && along1 < 0", "< 0 && across2 < 0"),
+        ("crossing-on-one-line", "< 0 && gaps.across2 < 0 && gaps.along1 < 0", "< 0 && gaps.across2 < 0"),
         ("deepest-end", "if (-std::abs(h) <= least.", "if (k > 0 && -std::abs(h) >= least."),
         ("wall-of-one-cap", "if (s.halfLength == 0) break;\n\t}\n\treturn result;",
          "break;\n\t}\n\treturn result;"),

@@ -15,15 +15,8 @@ import tempfile
 import threading
 import time
 
-import yade  # noqa: F401  before rcr
-import rcr
-from rcr import (Bo1_Rcr_Aabb, ContactDynamics, Ig2_Rcr_Rcr_RcrGeom, Ig2_Wall_Rcr_RcrGeom,
-                 Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb)
-from yade import O
-from yade.wrapper import (Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider,
-                          InteractionLoop, NewtonIntegrator)
-
 import children
+from scene_fuzzer import O, rcr, scenes  # imports YADE before rcr
 
 CALLS = 400  # of a session
 HANGS = 120  # seconds after which a session hangs
@@ -33,17 +26,9 @@ KNOWN = ("while the scene runs", "while simulation is running", "doesn't exist",
 
 def build(count):
     """A scene of so many grains that fall on a floor."""
-    O.reset()
-    O.materials.append(FrictMat(frictionAngle=0.4))
-    O.bodies.append(rcr.wall("y", 0))
-    O.bodies.append([rcr.particle((0.3 * k, 0.2), 0.1, 0.5, angle=k) for k in range(count)])
-    O.engines = [
-        ForceResetter(), InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.01),
-        InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom()],
-                        [Ip2_FrictMat_FrictMat_CdPhys()],
-                        [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
-        ContactDynamics(), NewtonIntegrator(gravity=(0, -9.81, 0), damping=0)]
-    O.dt = 1e-3
+    rough = scenes.material()
+    scenes.build(rcr.wall("y", 0, material=rough), *(
+        rcr.particle((0.3 * k, 0.2), 0.1, 0.5, k, rough) for k in range(count)), tolerance=1e-4)
 
 
 class Session:

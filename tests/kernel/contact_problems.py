@@ -77,13 +77,6 @@ def kinetic_energy(problem, v):
     return (v**2 / np.where(inverse > 0, inverse, np.inf)).sum() / 2
 
 
-def stretch_arm(problem):
-    """r₂ + s − r₁ of every point (nc, 2) or 0."""
-    place = problem.get("place", np.zeros((len(problem["inverse_mass"]), 2)))
-    a, b = problem["bodies"].T
-    return problem.get("shift", 0) + place[b] - place[a]
-
-
 def weights(problem):
     """w_nn of every point (nc,), without the stretch of a cell."""
     a, b = problem["bodies"].T

@@ -180,9 +180,8 @@ namespace {
 Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, const Pose& at2,
         double maxGap)
 {
-	const Vec2     d    = at2.center - at1.center;
-	const CoreGaps gaps = coreGaps(s1, at1, s2, at2);
-	if (!(gaps.largest() <= s1.capRadius + s2.capRadius + maxGap)) return {};
+	if (!mayTouch(s1, at1, s2, at2, maxGap)) return {};
+	const Vec2 d = at2.center - at1.center;
 	if (s1.halfLength == 0 && s2.halfLength == 0) {
 		const double distance = norm(d);
 		const Facing centers { at1.center, at2.center, direction(d, perp(at1.axis)), distance };
@@ -197,6 +196,7 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 	};
 	// The ends of each core lie strictly on both sides of the other. Rounding decides the sides of
 	// collinear cores, so along1 is tested too.
+	const CoreGaps gaps = coreGaps(s1, at1, s2, at2);
 	if (gaps.across1 < 0 && gaps.across2 < 0 && gaps.along1 < 0) {
 		// Moves the end of the smallest depth back to its side. Ends beyond the other core count
 		// too, with their distance to its line: they also bound the translation.

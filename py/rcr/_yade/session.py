@@ -32,15 +32,15 @@ def guard():
     container.erase = _checked_erase(container.erase)
     for name in ("append", "insertAtId", "erase", "clear", "replace", "appendClumped", "clump",
                  "addToClump", "releaseFromClump", "deleteClumpBody", "deleteClumpMember"):
-        setattr(container, name, _at_rest(getattr(container, name), f"O.bodies.{name}"))
+        setattr(container, name, _at_rest(f"O.bodies.{name}")(getattr(container, name)))
     contacts = type(Omega().interactions)
-    contacts.clear = _at_rest(contacts.clear, "O.interactions.clear")
-    contacts.eraseNonReal = _refused_erase_non_real(contacts.eraseNonReal)
+    contacts.clear = _at_rest("O.interactions.clear")(contacts.clear)
+    contacts.eraseNonReal = _without_rcr()(contacts.eraseNonReal)
     Omega.run = _guarded(_recorded()(_raising()(_responsive(Omega.run))))
     Omega.step = _guarded(_recorded()(_raising()(Omega.step)))
     Omega.pause = _recorded()(_after_step()(Omega.pause))
     Omega.wait = _recorded()(_raising()(_after_step()(_interruptible(Omega.wait))))
-    Omega.engines = Omega.engines.setter(_at_rest(Omega.engines.fset, "O.engines = …"))
+    Omega.engines = Omega.engines.setter(_at_rest("O.engines = …")(Omega.engines.fset))
     atexit.register(Omega().pause)  # a run must not outlive the objects that it reads
     for name in ("load", "loadTmp", "reload"):
         setattr(Omega, name, _recorded()(getattr(Omega, name)))
@@ -182,17 +182,13 @@ def _raising():
         raise RuntimeError(error)
 
 
-def _at_rest(method, name):
-    """A method that changes what a run loops over, refused to a console while the scene runs."""
-
-    @functools.wraps(method)
-    def wrapped(*arguments, **keywords):
-        if Omega().running and not _in_run_thread() and _plugin.uses_rcr():
-            raise RuntimeError(f"rcr: {name} while the scene runs can end the process; call "
-                               "O.pause() first, or do it in a PyRunner")
-        return method(*arguments, **keywords)
-
-    return wrapped
+@contextlib.contextmanager
+def _at_rest(name):
+    """Refuse a method that changes what a run loops over to a console while the scene runs."""
+    if Omega().running and not _in_run_thread() and _plugin.uses_rcr():
+        raise RuntimeError(f"rcr: {name} while the scene runs can end the process; call "
+                           "O.pause() first, or do it in a PyRunner")
+    yield
 
 
 def _checked_erase(erase):
@@ -216,21 +212,17 @@ def _checked_erase(erase):
     return wrapped
 
 
-def _refused_erase_non_real(erase):
-    """O.interactions.eraseNonReal, refused with classes of rcr.
+@contextlib.contextmanager
+def _without_rcr():
+    """Refuse O.interactions.eraseNonReal with classes of rcr.
 
     The collider lists an erased pair again only when the boxes of its bodies meet anew.
     """
-
-    @functools.wraps(erase)
-    def wrapped(interactions, *arguments, **keywords):
-        if _plugin.uses_rcr():
-            raise ValueError(
-                "rcr: after O.interactions.eraseNonReal() the collider would miss contacts; "
-                "leave these interactions, or call O.interactions.clear()")
-        return erase(interactions, *arguments, **keywords)
-
-    return wrapped
+    if _plugin.uses_rcr():
+        raise ValueError(
+            "rcr: after O.interactions.eraseNonReal() the collider would miss contacts; "
+            "leave these interactions, or call O.interactions.clear()")
+    yield
 
 
 def refuse_unknown_attributes(classes):

@@ -8,6 +8,7 @@ start of the shear, and the time step is a fixed share of `rcr.critical_time_ste
 """
 
 import math
+import os
 import time
 
 import numpy as np
@@ -182,8 +183,8 @@ class Biaxial:
 
     @classmethod
     def load(cls, folder):
-        """Return the test of the last checkpoint in a folder; see `checkpoint.load_file`."""
-        return cls(*checkpoint.load(folder))
+        """Return the test of the last checkpoint in a folder; see `checkpoint.load`."""
+        return cls(*checkpoint.load(os.path.join(folder, checkpoint.CHECKPOINT)))
 
     def go_back(self, folder):
         """Return to the older of the last two states in a folder, with a smaller time step.
@@ -195,7 +196,7 @@ class Biaxial:
         divisor, seconds = self.progress["divisor"] + 1, self.progress["wall_seconds"]
         path = checkpoint.states(folder, self.strain)[-checkpoint.KEPT_STATES:][0]
         threads = self.parameters["threads"]
-        self.__init__(*checkpoint.load_file(path))
+        self.__init__(*checkpoint.load(path))
         self.parameters["threads"] = self.solver.threads = threads
         self.progress.update(divisor=divisor, failed_strain=failed, wall_seconds=seconds,
                              repeated=self.progress["repeated"] + 1)

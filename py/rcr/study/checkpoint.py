@@ -65,16 +65,10 @@ def _is_later(path, strain):
     return float(digits) > strain + 0.5e-4  # rounded to four digits
 
 
-def load(folder):
-    """Load the checkpoint of a folder; see `load_file`."""
-    path = os.path.join(folder, CHECKPOINT)
+def load(path):
+    """Load the scene of a checkpoint; return parameters, progress and rows."""
     if not os.path.exists(path):
         raise FileNotFoundError(2, "is missing: nothing to resume; run without --resume", path)
-    return load_file(path)
-
-
-def load_file(path):
-    """Load the scene of a checkpoint; return parameters, progress and rows."""
     with files.reading(path, "a checkpoint of a biaxial test"), _memory_file() as (handle, name):
         with gzip.open(path) as file:
             shutil.copyfileobj(file, handle)  # the check sum detects every flipped bit

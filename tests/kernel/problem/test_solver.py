@@ -41,7 +41,7 @@ def test_auto_runs_exact_steps_for_fine_tolerances(name):
 
 @pytest.mark.parametrize("friction, same", [(0.0, "nesterov"), (0.5, "exact")])
 def test_auto_sweeps_without_friction(friction, same):
-    problem = pile(1, 30, 30).cold()
+    problem = pile(1, 30, 30)
     problem["friction"][:] = friction
     settings = dict(tolerance=1e-9, max_iterations=1500)
     auto, other = (problem.solve(solver, **settings) for solver in ("auto", same))
@@ -64,7 +64,7 @@ def test_iterations_of_auto_bound_its_time():
 
 def test_distant_start_adds_no_energy(solver):
     """An unconverged solve from huge impulses must not keep them."""
-    problem = frictionless(pile(1).cold())
+    problem = frictionless(pile(1))
     problem["bias"][:] = 0
     scale = np.abs(problem.solve("exact")["impulse"]).max()
     start = np.random.default_rng(0).random(len(problem["impulse"]))

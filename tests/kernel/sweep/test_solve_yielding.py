@@ -17,12 +17,6 @@ MASS = 2.0  # kg, of each body
 STILL, FREE = [0, 0, 0], [1 / MASS] * 3  # velocity or inverse mass; inverse mass
 
 
-def vice(v1=1.0, v2=1.0):
-    """A body between two closing walls: the left one moves at v1, the right one at −v2."""
-    return problem_of("vice", [STILL, FREE, STILL], [[v1, 0, 0], STILL, [-v2, 0, 0]],
-                      [[0, 1], [1, 2]], normal=(1, 0))
-
-
 def wedge():
     return stored("wedge_without_solution")
 
@@ -39,7 +33,8 @@ def yielding_impulses(w, compliance, speeds):
 
 @pytest.mark.parametrize("compliance", [1e-3, 1e-2, 1e-1])
 def test_vice_closes_as_in_its_closed_form(solver, compliance):
-    problem = vice(1.0, 0.5)
+    problem = problem_of("vice", [STILL, FREE, STILL], [[1, 0, 0], STILL, [-0.5, 0, 0]],
+                         [[0, 1], [1, 2]], normal=(1, 0))
     found = problem.solve(
         solver, tolerance=1e-8, yield_compliance=compliance, kinematic_tolerance=1e-6)
     p = yielding_impulses([[1, -1], [-1, 1]], compliance, [1.0, 0.5])
@@ -108,7 +103,7 @@ def test_only_the_island_without_a_solution_yields(solver, yielded):
 
 def test_only_the_island_that_has_yielded_yields_again(solver):
     """It gets 50 sweeps as a rigid one; the island beside it takes more, as if it were alone."""
-    jam, heap = jammed_box(3, 6, closing=0.3), pile(1, 20, 20).cold()
+    jam, heap = jammed_box(3, 6, closing=0.3), pile(1, 20, 20)
     problem = beside(jam, heap)
     free = problem["inverse_mass"].any(1)
     problem["yielded"] = free & (np.arange(len(free)) < len(jam["inverse_mass"]))
@@ -179,7 +174,7 @@ def test_overlaps_that_open_are_no_wedge(push):
 
 @pytest.mark.parametrize("solver", ["auto", "nesterov", "nlgs"])
 def test_a_pile_at_rest_beside_a_jam_converges_although_it_yielded_before(solver):
-    jam, heap = jammed_box(3, 6, closing=0.3), pile(1, 20, 20).cold()
+    jam, heap = jammed_box(3, 6, closing=0.3), pile(1, 20, 20)
     heap["free_velocity"][heap["inverse_mass"] == 0] = 0  # nothing is driven
     problem = beside(jam, heap)
     problem["yielded"] = problem["inverse_mass"].any(1).astype(float)

@@ -45,12 +45,6 @@ def test_a_saved_detector_gives_the_same_verdict():
     assert verdicts(again, overlaps[4:]) == [(PATIENCE - 1 - 4, "jam")]
 
 
-def warnings(steps):
-    """(step, message) of all warnings for (missed, yielded, overlap) of each step."""
-    watch = StepCounts()
-    return [(k, watch.message()) for k, step in enumerate(steps) if watch.count(*step)]
-
-
 def of_overlaps(*overlaps, missed=False):
     return [(missed, False, overlap) for overlap in overlaps]
 
@@ -77,7 +71,8 @@ def of_overlaps(*overlaps, missed=False):
 ])
 def test_warnings(steps, warned, last):
     """Steps that warn, and the last message; at tolerance 0 no step counts as missed."""
-    found = warnings(steps)
+    watch = StepCounts()
+    found = [(k, watch.message()) for k, step in enumerate(steps) if watch.count(*step)]
     assert [step for step, _ in found] == warned
     assert not warned or re.match(last, found[-1][1], re.S)
 

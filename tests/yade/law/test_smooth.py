@@ -309,17 +309,11 @@ def test_the_critical_time_step_counts_light_clumps_and_lids():
     assert O.bodies[lid].state.pos[1] == pytest.approx(0.2, abs=1e-3)
 
 
-def flap():
-    """A segment of 0.2 m that turns about its middle."""
-    segment = rcr.segment((-0.1, 0), (0.1, 0), material=springy(0.3))
-    segment.state.blockedDOFs, segment.state.inertia = "xyzXY", (1, 1, 1e-4)
-    return segment
-
-
 @pytest.mark.parametrize("mass", [0, 1, 1000])
 def test_the_critical_time_step_of_a_hinged_segment_is_that_of_its_rotation(mass):
     """√4 = 2 points at each end: dt ≤ 2/√(2 z k a²/I); a = 0.2 m bounds the corners of the Facet."""
-    hinged = flap()
+    hinged = rcr.segment((-0.1, 0), (0.1, 0), material=springy(0.3))
+    hinged.state.blockedDOFs, hinged.state.inertia = "xyzXY", (1, 1, 1e-4)
     hinged.state.mass = mass
     heavy = [rcr.disc((2 * k, 5), 0.1, springy(0.3)) for k in range(4)]
     build(hinged, *heavy, law="smooth")

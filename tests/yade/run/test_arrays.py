@@ -146,17 +146,11 @@ def change_obstacle():
             setattr(holder, name, value)
 
 
-def side_wall():
-    body = rcr.wall("x", 3.0, -1)
-    body.state.pos = (3.0, TOP, 0)
-    return body
-
-
 CHANGE = []  # of the shape and the state of the obstacle
 TOP = 0.6 + 0.48 * R  # within the upper row of rods
 FIELDS = {  # of PlanarShape: an obstacle, and a change of its shape and state
     "kind": (lambda: utils.wall((0, TOP, 5), 2, sense=-1), dict(axis=1)),
-    "axis": (side_wall, dict(axis=1)),
+    "axis": (lambda: utils.wall((3.0, TOP, 0), 0, sense=-1), dict(axis=1)),
     "length of a box": (lambda: box((0.6, TOP + 0.3), (0.2, 0.1), math.pi / 2, material()),
                         dict(extents=(0.3, 0.1, 1))),
     "width of a box": (lambda: box((0.6, TOP + 0.3), (0.2, 0.1), 0, material()),

@@ -13,16 +13,6 @@ from yade.minieigenHP import Vector3
 STEPS = 1000
 
 
-@pytest.fixture(scope="module")
-def packing(tmp_path_factory):
-    """Checkpoint of 1000 long particles, compacted until they carry load, before shear."""
-    test = Biaxial.prepare(eta=0.5, particles=1000, seed=1, tolerance=1e-3)
-    test.compact(balanced=0.05)
-    folder = str(tmp_path_factory.mktemp("packing"))
-    test.save(folder)
-    return folder
-
-
 def shear(folder, threads, lanes):
     """Yield after each step a digest of velocities, contact points and starting impulses."""
     test = Biaxial.load(folder)
@@ -38,13 +28,16 @@ def shear(folder, threads, lanes):
 
 
 @pytest.mark.slow
-def test_threads_and_lanes_change_no_bit(packing):
+def test_threads_and_lanes_change_no_bit(tmp_path):
     """Velocities, contact points and impulses of each of 1000 steps of shear of 1000 particles."""
-    reference = list(shear(packing, threads=1, lanes=8))
+    test = Biaxial.prepare(eta=0.5, particles=1000, seed=1, tolerance=1e-3)
+    test.compact(balanced=0.05)  # until they carry load
+    test.save(tmp_path)
+    reference = list(shear(tmp_path, threads=1, lanes=8))
     last = snapshot()
     assert len(set(reference)) == STEPS
     for threads, lanes in ((2, 4), (4, 1)):
-        for step, digest in enumerate(shear(packing, threads, lanes)):
+        for step, digest in enumerate(shear(tmp_path, threads, lanes)):
             assert digest == reference[step], f"step {step}, {threads} threads, {lanes} lanes"
         assert np.array_equal(snapshot(), last), f"{threads} threads, {lanes} lanes"
 

@@ -21,8 +21,8 @@ from yade import wrapper as w
 from yade.minieigenHP import Matrix3
 
 
-def zoo():
-    """One body of each kind without contacts; returns their ids by name."""
+def test_every_kind_of_body(tmp_path):
+    """One of each, without contacts, in a frame, a picture and a table."""
     rough = material()
     ids = dict(zip(("rcr", "fixed", "wall", "box", "facet", "flat", "beside", "sphere"), build(
         rcr.particle((0, 0), 1.0, 0.75, 0.3, rough),
@@ -35,12 +35,6 @@ def zoo():
     )))  # fmt: skip
     ids["clump"], ids["members"] = O.bodies.appendClumped(
         [rcr.particle((x, 5), 0.4, 0.5, angle, rough) for x, angle in ((0, 0), (0.2, math.pi / 2))])
-    return ids
-
-
-def test_every_kind_of_body(tmp_path):
-    """In a frame, a picture and a table."""
-    ids = zoo()
     set_state(ids["rcr"], vel=(3, 4, 0), angVel=(0, 0, -2))
     frame = Frame.of()
     rows = frame.rows(np.array([ids["rcr"], ids["fixed"], ids["sphere"], *ids["members"],
