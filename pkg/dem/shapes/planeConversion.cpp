@@ -22,41 +22,34 @@ static Planar cut(const Facet& facet, const State& state, Real z)
 			ends[1] = at, count = 2;
 	}
 	const double length = count == 2 ? norm(ends[1] - ends[0]) : 0;
-	Planar       segment;
-	if (!(length > 0)) return segment;
-	segment.kind       = Planar::segment;
-	segment.halfLength = 0.5 * length;
-	segment.offset     = 0.5 * (ends[0] + ends[1]);
-	segment.direction      = (1 / length) * (ends[1] - ends[0]);
-	return segment;
+	if (!(length > 0)) return {};
+	return { Planar::segment, 0, 0, 0.5 * length, 0, 0.5 * (ends[0] + ends[1]),
+		(1 / length) * (ends[1] - ends[0]) };
 }
 
 rcr::PlanarShape shapeOf(const Shape& shape, const State& state, Real z)
 {
-	const int    index = shape.getClassIndex();
-	Planar       planar;
+	const int  index  = shape.getClassIndex();
+	const auto planar = [](Planar::Kind kind, Real halfLength, Real halfWidth) {
+		return Planar { kind, 0, 0, double(halfLength), double(halfWidth), {} };
+	};
 	if (index == Rcr::getClassIndexStatic()) {
-		const Rcr& rcr    = static_cast<const Rcr&>(shape);
-		planar.kind       = Planar::stadium;
-		planar.halfLength = double(rcr.halfLength);
-		planar.halfWidth  = double(rcr.capRadius);
-	} else if (index == Sphere::getClassIndexStatic()) {
-		planar.kind      = Planar::disc;
-		planar.halfWidth = double(static_cast<const Sphere&>(shape).radius);
-	} else if (index == Wall::getClassIndexStatic()) {
-		const Wall& wall = static_cast<const Wall&>(shape);
-		planar.kind      = wall.axis < 2 ? Planar::wall : Planar::none;
-		planar.axis      = std::int8_t(wall.axis);
-		planar.sense     = std::int8_t(wall.sense);
-	} else if (index == Box::getClassIndexStatic()) {
-		const Box& box    = static_cast<const Box&>(shape);
-		planar.kind       = Planar::box;
-		planar.halfLength = double(box.extents[0]);
-		planar.halfWidth  = double(box.extents[1]);
-	} else if (index == Facet::getClassIndexStatic()) {
-		planar = cut(static_cast<const Facet&>(shape), state, z);
+		const Rcr& rcr = static_cast<const Rcr&>(shape);
+		return planar(Planar::stadium, rcr.halfLength, rcr.capRadius);
 	}
-	return planar;
+	if (index == Sphere::getClassIndexStatic())
+		return planar(Planar::disc, 0, static_cast<const Sphere&>(shape).radius);
+	if (index == Wall::getClassIndexStatic()) {
+		const Wall& wall = static_cast<const Wall&>(shape);
+		return { wall.axis < 2 ? Planar::wall : Planar::none, std::int8_t(wall.axis),
+			std::int8_t(wall.sense), 0, 0, {} };
+	}
+	if (index == Box::getClassIndexStatic()) {
+		const Vector3r& half = static_cast<const Box&>(shape).extents;
+		return planar(Planar::box, half[0], half[1]);
+	}
+	return index == Facet::getClassIndexStatic() ? cut(static_cast<const Facet&>(shape), state, z)
+	                                             : Planar {};
 }
 
 Matrix3r nextGradient(const Cell& cell)

@@ -193,7 +193,7 @@ namespace {
 		/// reloaded.
 		void sort()
 		{
-			std::vector<int>& first = step_.firstContact;
+			std::vector<std::int32_t> first;
 			rcr::listByKey(step_.bodies.size(), first, handles_.sorted, [&](auto add) {
 				for (const SceneHandles::Contact& contact : handles_.found)
 					if (contact.points > 0) add(contact.id1, contact);

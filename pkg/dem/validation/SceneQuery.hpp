@@ -53,10 +53,6 @@ struct SceneQuery {
 		const auto found = std::find_if(engines.begin(), engines.end(), isLive<Kind>);
 		return found == engines.end() ? -1 : int(found - engines.begin());
 	}
-	template <class Kind> int count() const
-	{
-		return int(std::count_if(engines.begin(), engines.end(), isLive<Kind>));
-	}
 	template <class Kind> bool dead() const
 	{
 		return std::any_of(engines.begin(), engines.end(),

@@ -20,7 +20,7 @@ namespace {
 
 	template <class Kind> std::string twice(const SceneQuery& v, const char* name)
 	{
-		const int count = v.count<Kind>();
+		const auto count = std::count_if(v.engines.begin(), v.engines.end(), isLive<Kind>);
 		if (count < 2) return {};
 		return "O.engines holds " + std::to_string(count) + " of " + name
 		        + "; expected one: remove the others.";

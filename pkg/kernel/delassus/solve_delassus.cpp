@@ -92,16 +92,18 @@ namespace {
 			}
 		}
 
-		void plain()
+		/// next(p, solution, µ) returns the new impulse of a point.
+		template <class Next> void sweep(Next next)
 		{
-			sweep([](LocalVector, LocalVector solved, double) { return solved; });
-		}
-
-		void relaxed()
-		{
-			sweep([](LocalVector p, LocalVector solved, double friction) {
-				return projectCone(p + sorRelaxation * (solved - p), friction);
-			});
+			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
+				const DelassusBlock& w = block(k);
+				if (w.nn <= 0) continue;
+				LocalVector& p        = problem_.impulse[k];
+				const double friction = problem_.friction[k];
+				LocalVector  g        = velocityWithoutOwn(k);
+				g.t += (w.tn - w.nt) * p.n; // rounding of files: solveCoulomb takes w_tn = w_nt
+				p = next(p, solveCoulomb({ w.nn, w.nt, w.tt }, g.n, g.t, friction), friction);
+			}
 		}
 
 		/// A sweep from y = p + β (p − p_old). Returns ‖p − y‖².
@@ -185,20 +187,6 @@ namespace {
 			return g;
 		}
 
-		/// next(p, solution, µ) returns the new impulse of a point.
-		template <class Next> void sweep(Next next)
-		{
-			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
-				const DelassusBlock& w = block(k);
-				if (w.nn <= 0) continue;
-				LocalVector& p        = problem_.impulse[k];
-				const double friction = problem_.friction[k];
-				LocalVector  g        = velocityWithoutOwn(k);
-				g.t += (w.tn - w.nt) * p.n; // rounding of files: solveCoulomb takes w_tn = w_nt
-				p = next(p, solveCoulomb({ w.nn, w.nt, w.tt }, g.n, g.t, friction), friction);
-			}
-		}
-
 		DelassusProblem&          problem_;
 		std::vector<std::int32_t> diagonal_; // of each row: its diagonal block
 		std::vector<LocalVector>  old_;      // one sweep before, for momentum
@@ -217,9 +205,12 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 	Momentum momentum; // β = 0 in the first sweep
 	StopTest stop(settings);
 	while (!stop.mustStop(false, [&] { return Criteria { { sweeps.measure() } }; })) {
-		if (solver == "nlgs") sweeps.plain();
+		if (solver == "nlgs")
+			sweeps.sweep([](LocalVector, LocalVector solved, double) { return solved; });
 		else if (solver == "sor")
-			sweeps.relaxed();
+			sweeps.sweep([](LocalVector p, LocalVector solved, double friction) {
+				return projectCone(p + sorRelaxation * (solved - p), friction);
+			});
 		else
 			momentum.advance(sweeps.accelerated(momentum.beta()));
 	}

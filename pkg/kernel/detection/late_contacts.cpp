@@ -335,7 +335,6 @@ void addFoundContacts(Step& step)
 	step.problem.impulse.swap(impulses);
 	step.force.swap(forces);
 	step.gap.swap(gaps);
-	step.indexContacts();
 	step.added.insert(step.added.end(), step.found.begin(), step.found.end());
 	step.found.clear();
 	step.widened.clear();

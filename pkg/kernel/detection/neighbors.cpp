@@ -58,11 +58,6 @@ static std::pair<double, double> bulk(std::vector<double>& x)
 	return { ranked(x, few), rankedFromTop(x, few) };
 }
 
-static int clipped(double place, int count)
-{
-	return int(std::clamp(place, 0.0, double(count - 1)));
-}
-
 /// Lists the bodies that violate the condition; returns false if the shape of a body changed.
 bool Neighbors::findMovedBodies(const Step& step, ThreadTeam& team)
 {
@@ -176,9 +171,6 @@ bool Neighbors::near(std::int32_t body1, std::int32_t body2) const
 	return one.shape.grain()
 	        || contactPoints(one.shape, one.pose, two.shape, two.pose, limit).count > 0;
 }
-
-int Neighbors::column(double x) const { return clipped((x - origin_.x) / width_, columns_); }
-int Neighbors::row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
 
 /// Calls visit(grain) for all grains in the cells that a box touches.
 template <class Visit> void Neighbors::forEachGrain(const BoundingBox& box, Visit visit) const

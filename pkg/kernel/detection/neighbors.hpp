@@ -47,8 +47,9 @@ private:
 	{
 		reference_[id] = { body.shape, body.pose(), body.alertDistance };
 	}
-	int  column(double x) const;
-	int  row(double y) const;
+	int  clipped(double place, int count) const { return int(std::clamp(place, 0.0, count - 1.0)); }
+	int  column(double x) const { return clipped((x - origin_.x) / width_, columns_); }
+	int  row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
 	void chooseMargin();
 	void sortIntoCells();
 	bool near(std::int32_t body1, std::int32_t body2) const;

@@ -115,7 +115,6 @@ void Pairs::fillStep(Step& step, ThreadTeam& team) const
 			pair.friction, pair.restitution, size, {}, {} };
 		step.setPoints(step.contacts[k], manifold[number], pair.force);
 	});
-	step.indexContacts();
 }
 
 void Pairs::storeForces(const Step& step, ThreadTeam& team)

@@ -35,15 +35,9 @@ struct PlanarShape {
 	/// Largest distance of a point from the centre of the body [m]; 0 for an infinite wall.
 	double radius() const
 	{
-		switch (kind) {
-			case disc:
-			case stadium: return halfLength + halfWidth;
-			case box: return norm(Vec2 { halfLength, halfWidth });
-			case segment: return norm(offset) + halfLength;
-			case none:
-			case wall: break;
-		}
-		return 0;
+		if (grain()) return halfLength + halfWidth;
+		if (kind == box) return norm(Vec2 { halfLength, halfWidth });
+		return kind == segment ? norm(offset) + halfLength : 0;
 	}
 
 	/// Circumscribed radius of a grain [m]; 0 for an obstacle.

@@ -83,14 +83,6 @@ double dissipatedEnergy(const ContactProblem& problem)
 	return energy;
 }
 
-double costOf(const ContactProblem& problem, std::size_t k)
-{
-	const ContactPoint& c = problem.points[k];
-	const LocalVector&  p = problem.impulse[k];
-	const LocalVector   u = relativeVelocity(problem, c);
-	return 0.5 * (dot(p, u) + dot(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
-}
-
 bool exceedsEnergyBound(double energy, double velocityScale)
 {
 	return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
@@ -129,12 +121,6 @@ bool closesBlocked(
 	return !translates(c.body1) && !translates(c.body2) && delassus(problem, c).nn <= 0
 	        && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
 	        && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;
-}
-
-bool closesBlocked(const ContactProblem& problem, double roundingVelocity)
-{
-	return std::any_of(problem.points.begin(), problem.points.end(),
-	        [&](const ContactPoint& c) { return closesBlocked(problem, c, roundingVelocity); });
 }
 
 } // namespace rcr

@@ -28,11 +28,6 @@ namespace rcr {
 /// friction, and of points that still close.
 double dissipatedEnergy(const ContactProblem&);
 
-/// Share of a point in the cost ½ pᵀWp + p · (u_free + b_n n) [J/m]. Frictionless solutions
-/// minimise the cost; zero impulses cost 0. Impulses of positive cost would add energy to the step.
-/// Solvers that start far from the solution can end with such impulses.
-double costOf(const ContactProblem&, std::size_t point);
-
 /// Returns true if the bound for d = p exceeds 3 V_s. This detects steps without a solution whose
 /// impulses are so large that their relative error is small.
 bool exceedsChangeBound(const ContactProblem&);
@@ -47,8 +42,6 @@ bool exceedsEnergyBound(double energy, double velocityScale);
 /// Returns true if a prescribed motion closes a contact and also blocks its normal direction.
 /// No impulse can open such a contact.
 bool closesBlocked(const ContactProblem&, const ContactPoint&, double roundingVelocity);
-/// The same of any contact.
-bool closesBlocked(const ContactProblem&, double roundingVelocity);
 
 constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
 constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise

@@ -1,7 +1,5 @@
 #include "step/step.hpp"
 
-#include <numeric>
-
 #include "parallel/thread_team.hpp"
 
 namespace rcr {
@@ -81,21 +79,11 @@ void Step::updateGradient(Vec2 before)
 		c.drift = cell.drift(c.shift);
 }
 
-void Step::indexContacts()
-{
-	firstContact.assign(bodies.size() + 1, 0);
-	for (const StepContact& c : contacts)
-		++firstContact[c.body1 + 1];
-	std::partial_sum(firstContact.begin(), firstContact.end(), firstContact.begin());
-}
-
 const StepContact* Step::find(int body1, int body2) const
 {
-	const auto begin = contacts.begin() + firstContact[body1],
-	           end   = contacts.begin() + firstContact[body1 + 1];
-	const auto found = std::lower_bound(
-	        begin, end, body2, [](const StepContact& c, int body) { return c.body2 < body; });
-	return found != end && found->body2 == body2 ? &*found : nullptr;
+	const FoundContact pair { body1, body2, {}, {} };
+	const auto found = std::lower_bound(contacts.begin(), contacts.end(), pair, precedes);
+	return found != contacts.end() && !precedes(pair, *found) ? &*found : nullptr;
 }
 
 double Step::roundingVelocity(ThreadTeam& team) const

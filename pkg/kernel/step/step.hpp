@@ -179,7 +179,6 @@ struct Step {
 	std::vector<StepBody>     bodies;
 	std::vector<std::int32_t> members;      // clump members
 	std::vector<StepContact>  contacts;     // sorted by body1, then body2
-	std::vector<std::int32_t> firstContact; // as body 1, per body; one more entry: the end
 	std::vector<Gap>          gap;          // per point
 	ContactProblem            problem;
 	std::vector<LocalVector>  force;        // per point [N]: start of the solver, then its result
@@ -231,7 +230,6 @@ struct Step {
 	/// Sets the points of a contact and the forces from which the solver starts.
 	void setPoints(const StepContact&, const Manifold&, const LocalVector* force);
 
-	void               indexContacts();                  // computes firstContact
 	const StepContact* find(int body1, int body2) const; // null: no contact
 	double roundingVelocity(ThreadTeam&) const; // rounding error of the velocities [m/s]
 	void   computePointForces(ThreadTeam&);     // from the impulses

@@ -152,13 +152,9 @@ template <class Real> struct FrictionalColumnsOf : NoLeverColumnsOf<Real> {
 /// Number of columns of a contact point.
 constexpr int columnsOf(Model model)
 {
-	switch (model) {
-		case Model::frictional: return FrictionalColumnsOf<double>::count;
-		case Model::noLever: return NoLeverColumnsOf<double>::count;
-		case Model::frictionless: return FrictionlessColumnsOf<double>::count;
-		case Model::frictionlessDisc: break;
-	}
-	return FrictionlessDiscColumnsOf<double>::count;
+	constexpr int count[models] { FrictionalColumnsOf<double>::count, NoLeverColumnsOf<double>::count,
+		FrictionlessColumnsOf<double>::count, FrictionlessDiscColumnsOf<double>::count };
+	return count[int(model)];
 }
 
 /// The blocks of one colour, one model and one number of points per pair.

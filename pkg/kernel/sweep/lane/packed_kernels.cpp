@@ -159,8 +159,8 @@ namespace {
 		inverse(m1 + m2 + (m1 * (j1 * j1) + m2 * (j2 * j2))).store(c.inverseSchur() + lane);
 	}
 
-	/// Computes lever arms from r/k, and 1/w_nn.
-	template <class Columns> inline void prepareLevers(const Columns& c, int lane, L m1, L m2)
+	/// Computes lever arms from r/k, and 1/w_nn: all that a frictionless point needs.
+	template <class Columns> inline void preparePoint(const Columns& c, int lane, L m1, L m2)
 	{
 		const L nx = L::load(c.nx() + lane), ny = L::load(c.ny() + lane);
 		const L x1 = lever1n(c, lane), y1 = lever1t(c, lane), x2 = lever2n(c, lane),
@@ -173,14 +173,9 @@ namespace {
 		inverse(m1 + m2 + (m1 * (j1n * j1n) + m2 * (j2n * j2n))).store(c.inverseNn() + lane);
 	}
 
-	inline void preparePoint(const FrictionlessColumns& c, int lane, L m1, L m2)
-	{
-		prepareLevers(c, lane, m1, m2);
-	}
-
 	inline void preparePoint(const FrictionalColumns& c, int lane, L m1, L m2)
 	{
-		prepareLevers(c, lane, m1, m2);
+		preparePoint<FrictionalColumns>(c, lane, m1, m2);
 		const auto slide = [&](L with) {
 			return select(with <= L(0.0), L(unlimited<Real>), friction(c, lane) / with);
 		};
