@@ -119,16 +119,16 @@ def step_threads():
 
 def parallel():
     """Wall-clock time to a residual by threads, from scripts/bench_solver.py --only parallel."""
-    rows, lines = [row for row in measured("parallel") if row["tolerance"] < 1e-2], []
+    rows, lines = [row for row in measured("parallel")
+                   if row["tolerance"] < 1e-2 and row["problem"].startswith("n13000_")], []
     programs = "rcr auto", "rcr nlgs", "Siconos NSGS"
     keys = dict.fromkeys((row["problem"], row["tolerance"], row["threads"]) for row in rows)
     for problem, tolerance, threads in sorted(keys, key=lambda key: (key[0], -key[1], key[2])):
         of = {row["program"]: row for row in rows
               if (row["problem"], row["tolerance"], row["threads"]) == (problem, tolerance, threads)}
-        if not (large := re.match(r"n13000_e([\d.]+)_", problem)):
-            continue
+        eta = re.match(r"n\d+_e([\d.]+)_", problem)[1]
         cell = lambda name: f"{1e3 * of[name]['seconds']:.3g} ({of[name]['iterations']:.0f})"
-        lines.append([large[1], f"{tolerance:.0e}", f"{threads:.0f}",
+        lines.append([eta, f"{tolerance:.0e}", f"{threads:.0f}",
                       *(cell(name) if name in of else "" for name in programs)])
     return table(["η", "residual", "threads", *programs], lines)
 

@@ -7,7 +7,8 @@
 
 namespace yade {
 
-struct EnergyAccount : rcr::StepEnergy {
+class EnergyAccount {
+public:
 	/// Enters the energies of the last step and computes the energies of this step. `impulses`: sum
 	/// of the contact impulses on each body [N s, N m s].
 	void enterPrevious(EnergyTracker& energy, const rcr::Step& step,
@@ -17,20 +18,23 @@ struct EnergyAccount : rcr::StepEnergy {
 			int unknown = -1; // O.energy may have been cleared, or be that of another scene
 			energy.add(work, name, unknown, false);
 		};
-		add("plastDissip", friction);
-		add("impactDissip", impact);
-		add("driveWork", driven);
-		add("correctionWork", -lifted);
-		add("gravWork", lifted);
-		static_cast<rcr::StepEnergy&>(*this) = rcr::stepEnergy(step, impulses, gravity);
+		add("plastDissip", pending_.friction);
+		add("impactDissip", pending_.impact);
+		add("driveWork", pending_.driven);
+		add("correctionWork", -pending_.lifted);
+		add("gravWork", pending_.lifted);
+		pending_ = rcr::stepEnergy(step, impulses, gravity);
 	}
 
 	template <class Archive> void serialize(Archive& archive, unsigned)
 	{
 		using boost::serialization::make_nvp;
-		archive & make_nvp("friction", friction) & make_nvp("impact", impact)
-		        & make_nvp("driven", driven) & make_nvp("lifted", lifted);
+		archive & make_nvp("friction", pending_.friction) & make_nvp("impact", pending_.impact);
+		archive & make_nvp("driven", pending_.driven) & make_nvp("lifted", pending_.lifted);
 	}
+
+private:
+	rcr::StepEnergy pending_;
 };
 
 } // namespace yade

@@ -255,9 +255,14 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 		state.hasYielded = false;
 	}
 	findYielded(problem);
-	forEachIsland([](PackedIsland&& island) { island.recomputeVelocities(); });
+	recomputeVelocities();
 	oldBody_        = body_;
 	oldStretchRate_ = stretchRate_;
+}
+
+void PackedProblem::recomputeVelocities()
+{
+	forEachIsland([](PackedIsland&& island) { island.recomputeVelocities(); });
 }
 
 // ---- output
@@ -284,7 +289,7 @@ void PackedProblem::store(ContactProblem& problem)
 void PackedProblem::storeVelocity(
         const ContactProblem& problem, std::vector<PlanarVector>& velocity)
 {
-	forEachIsland([](PackedIsland&& island) { island.recomputeVelocities(); });
+	recomputeVelocities();
 	velocity.resize(problem.freeVelocity.size());
 	team.forEach(inverseGyration_.size(), [&](int i) {
 		const double* v = view().recordAt(layout_.record(i));

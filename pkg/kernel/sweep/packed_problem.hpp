@@ -78,6 +78,7 @@ private:
 	/// w of a point with the response of a cell whose rate does not lag.
 	static Delassus delassusInCell(const ContactProblem&, const ContactPoint&);
 	void loadBody(const ContactProblem&, int body, int record, bool half);
+	void recomputeVelocities();
 	void fill(const ContactProblem&, const PackedPair&);
 	void fillPoint(const ContactProblem&, const PackedPair&, int point, Column*);
 	void addToOverflow(const ContactProblem&, const PackedPair&, bool halfRecords);

@@ -509,11 +509,8 @@ def test_an_exception_leaves_no_trace(fault):
 def test_cohesive_materials_are_refused(law, height, run, name):
     cohesive = getattr(w, name)(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4)
     build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, height), 0.1, cohesive), law=law)
-    still = (law, run) == ("rigid", O.step)
-    for _ in range(3 if still else 1):
-        refused(f"has the material {name} .* give it a FrictMat", run,
-                error=ValueError if run == O.step else RuntimeError)
-        assert not still or O.iter == 0 and O.bodies[1].state.pos[1] == height
+    refused(f"has the material {name} .* give it a FrictMat", run,
+            error=ValueError if run == O.step else RuntimeError)
 
 
 @pytest.mark.parametrize("again", [False, True])
@@ -548,6 +545,10 @@ def test_a_scene_that_becomes_faulty_is_refused_at_its_next_contact():
     assert O.bodies[disc].state.pos[1] == pytest.approx(0.1, abs=1e-3)
 
 
+def lift():
+    O.bodies[2].state.pos += Vector3(0, 0, 5)
+
+
 @pytest.mark.parametrize("arrays", [True, False])
 @pytest.mark.parametrize("obstacle, match", [
     (lambda: rcr.segment((1, 0), (1, 1)), "#2 is a Facet that does not cut the plane"),
@@ -558,8 +559,7 @@ def test_an_obstacle_that_leaves_the_plane_in_a_run_is_refused(obstacle, match, 
     grain_on_floor(0, height=0.3, tolerance=1e-4)
     O.bodies.append([obstacle(), *(rcr.disc((2 + 0.3 * k, 0.3), 0.1) for k in range(5))])
     solver().tuning = dict(arrays=arrays)
-    insert(4, w.PyRunner(iterPeriod=20, nDo=2, command="from yade.minieigenHP import Vector3; "
-                         "O.bodies[2].state.pos += Vector3(0, 0, 5)"))
+    insert(4, calls(lift, 20, nDo=2))
     with pytest.raises(RuntimeError, match=match):
         O.run(400, True)
     assert O.iter < 50 and O.bodies[1].state.pos[1] > 0.2
@@ -628,6 +628,14 @@ def test_a_collider_that_loses_its_verlet_distance_is_refused(law):
     O.run(20, True)
     O.engines[1].verletDist = 0
     refused("put a new InsertionSortCollider into O.engines", O.run, 20, True)
+
+
+def test_a_material_is_refused_before_its_body_moves():
+    cohesive = w.CohFrictMat(density=1000, young=1e7, poisson=0.5, frictionAngle=0.4)
+    build(rcr.wall("y", 0, 1, material=cohesive), rcr.disc((0, 0.0999), 0.1, cohesive))
+    for _ in range(3):
+        refused("has the material CohFrictMat", O.step)
+        assert O.iter == 0 and O.bodies[1].state.pos[1] == 0.0999
 
 
 def test_springs_allow_a_box_that_turns():
