@@ -47,7 +47,7 @@ def single_grain():
 
 def ways(given, *options, **settings):
     """A call of the solver for each of `options`, each with its own workspace."""
-    settings.update(given, kinematic_tolerance=np.inf)
+    settings.update(given, accuracy=np.inf)
     return [partial(kernel.solve, workspace=kernel.Workspace(), **settings | more)
             for more in options]
 

@@ -50,7 +50,7 @@ class Case:
     def solve(self, warm=False, **settings):
         start = self.delassus.impulse if warm else np.zeros((self.points, 2))
         if self.arrays is not None:
-            settings.update(self.arrays, impulse=start, kinematic_tolerance=np.inf)
+            settings.update(self.arrays, impulse=start, accuracy=np.inf)
             return kernel.solve(**settings)
         d = self.delassus
         return kernel.solve_delassus(d.row_start, d.column, d.block.reshape(-1, 4), d.q, d.friction,

@@ -110,7 +110,7 @@ def our_rows(packing, options):
     arrays = problem.arrays()
     delassus = BodyProblem(**arrays).delassus()
     for solver in "nlgs", "nesterov":
-        solve = partial(kernel.solve, **arrays, solver=solver, kinematic_tolerance=np.inf,
+        solve = partial(kernel.solve, **arrays, solver=solver, accuracy=np.inf,
                         workspace=kernel.Workspace())
         limits = 5 * options.repeats, options.budget
         ((_, ns),) = measure.sweep_times([(problem.contacts, solve)], *limits)

@@ -15,7 +15,7 @@ from .stage import COARSE, DT, SCENES, Clock, ContactDynamics, D, Smooth, build,
 __all__ = ["COARSE", "DT", "SCENES", "TIGHT", "ContactDynamics", "Result", "Smooth", "run", "title"]
 
 TUNNEL = 1.0  # overlap over the smaller cap radius at which a contact reaches a centre line
-TIGHT = ContactDynamics(dict(tolerance=1e-10, kinematicTolerance=1e-5))  # without solver errors
+TIGHT = ContactDynamics(dict(tolerance=1e-10, accuracy=1e-5))  # without solver errors
 BLOW_UP = 0.05  # energy gain over the scale; time stepping gives some per cent at 10 dt
 
 

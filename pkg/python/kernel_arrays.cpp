@@ -83,12 +83,12 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 	return problem;
 }
 
-Settings stopSettings(double tolerance, double kinematicTolerance, double meanForceChange,
+Settings stopSettings(double tolerance, double accuracy, double meanForceChange,
         int checkInterval, int minIterations, int maxIterations, int stallSweeps)
 {
 	Settings settings;
 	settings.tolerance          = tolerance;
-	settings.kinematicTolerance = kinematicTolerance;
+	settings.accuracy           = accuracy;
 	settings.meanForceChange    = meanForceChange;
 	settings.checkInterval      = checkInterval;
 	settings.minIterations      = minIterations;

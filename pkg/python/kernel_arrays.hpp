@@ -27,7 +27,7 @@ Ids idsFrom(const py::object&, const char* name);
 ContactProblem problemFrom(const py::kwargs& arrays);
 
 /// Default settings except those of the stop test (sweep/stop_test.hpp).
-Settings stopSettings(double tolerance, double kinematicTolerance, double meanForceChange,
+Settings stopSettings(double tolerance, double accuracy, double meanForceChange,
         int checkInterval, int minIterations, int maxIterations, int stallSweeps);
 
 inline py::ssize_t rowsOf(const py::array& array) { return array.ndim() ? array.shape(0) : 0; }

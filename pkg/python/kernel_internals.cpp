@@ -94,7 +94,7 @@ namespace {
 		for (const PackedPair& p : layout.pairs())
 			pairs.push_back({ p.body1, p.body2, p.points, int(p.model), p.slot });
 		for (const Island& island : layout.islands()) {
-			islands.push_back({ island.points, island.shared, island.halfRecords,
+			islands.push_back({ island.shape.points, island.shared, island.halfRecords,
 			                    island.partitions.begin, island.partitions.end,
 			                    island.interfaces.begin, island.interfaces.end });
 			overflow.emplace_back(layout.overflow().begin() + island.overflow.begin,
@@ -129,19 +129,11 @@ void bindInternals(py::module_& m)
 {
 	m.def(
 	        "residual",
-	        [](const py::kwargs& arrays) { return errorsOf(problemFrom(arrays), 0).residual; },
+	        [](const py::kwargs& arrays) { return residualOf(problemFrom(arrays)); },
 	        "Residual [-] of a problem; arrays as in `solve`.");
 	m.def("yield_bounds", yieldBoundsFrom, "before"_a,
 	        "(drive speed, compliance, yield impulse) of a problem, for previous velocities of the\n"
 	        "bodies; arrays as in `solve`. The radius of a body is the longest of its arms.");
-	m.def(
-	        "kinematic_error",
-	        [](double velocityFloor, const py::kwargs& arrays) {
-		        return errorsOf(problemFrom(arrays), velocityFloor).kinematicError;
-	        },
-	        "velocity_floor"_a,
-	        "Kinematic error [-] of a problem (residual.hpp); arrays as in `solve`.");
-
 	m.def("solve_blocks", solveBlocks, "pairs"_a, "diagonal"_a, "upper"_a, "lower"_a, "b"_a,
 	        "Solve A x = b, b (n, 3), for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and\n"
 	        "for pairs (i, j) of different rows, each once: upper = A_ij, lower = A_ji, both\n"

@@ -42,13 +42,13 @@ namespace {
 
 	py::dict solveArrays(const std::string& solver, double tolerance, int maxIterations,
 	        int threads, int lanes, int checkInterval, int minIterations, int stallSweeps,
-	        double kinematicTolerance, double meanForceChange, double yieldCompliance,
+	        double accuracy, double meanForceChange, double yieldCompliance,
 	        double yieldImpulse, const std::vector<std::string>& reductions, Workspace* workspace,
 	        const py::kwargs& arrays)
 	{
 		ContactProblem problem  = problemFrom(arrays);
 		Settings       settings = stopSettings(
-                tolerance, kinematicTolerance, meanForceChange, checkInterval, minIterations,
+                tolerance, accuracy, meanForceChange, checkInterval, minIterations,
                 maxIterations, stallSweeps);
 		settings.threads    = threads;
 		settings.lanes      = lanes;
@@ -68,7 +68,7 @@ namespace {
 		results["relative_velocity"] = arrayOf(relative);
 		results["velocity"]          = arrayOf(problem.velocity);
 		results["stretch_rate"]      = py::make_tuple(problem.stretchRate.x, problem.stretchRate.y);
-		results["kinematic_error"]   = report.kinematicError;
+		results["error_estimate"]    = report.errorEstimate;
 		results["yielded"]           = report.yielded;
 		results["yielded_bodies"]
 		        = std::vector<bool>(problem.yielded.begin(), problem.yielded.end());
@@ -153,7 +153,7 @@ void bindSolvers(py::module_& m)
 	m.def("solve", solveArrays, "solver"_a = "auto", "tolerance"_a = 1e-4,
 	        "max_iterations"_a = 1000, "threads"_a = 1, "lanes"_a = 0, "check_interval"_a = 10,
 	        "min_iterations"_a = 0, "stall_sweeps"_a = 0,
-	        "kinematic_tolerance"_a = Settings().kinematicTolerance, "mean_force_change"_a = 0,
+	        "accuracy"_a = Settings().accuracy, "mean_force_change"_a = 0,
 	        "yield_compliance"_a = 0, "yield_impulse"_a = Yielding().yieldImpulse,
 	        "reductions"_a = Reductions::names(), "workspace"_a = nullptr,
 	        "Solve one contact problem (contact_problem.hpp); settings as in solver.hpp.\n"
@@ -164,7 +164,7 @@ void bindSolvers(py::module_& m)
 	        "\n"
 	        "Returns a dict: impulse (nc, 2) [N s], relative_velocity (nc, 2) [m/s], velocity\n"
 	        "(nb, 3) [m/s, 1/s], stretch_rate (2,) [1/s], iterations, residual [-], converged,\n"
-	        "kinematic_error [-], yielded, yielded_bodies (list), impulse_growth over the last\n"
+	        "error_estimate [-], yielded, yielded_bodies (list), impulse_growth over the last\n"
 	        "100 sweeps [-], work (sweeps × points), seconds, processor_seconds (of this thread).\n"
 	        "Raises ValueError for arrays of inconsistent shapes and settings out of range.");
 	m.def("solve_delassus", solveDelassusArrays, "row_start"_a, "column"_a, "block"_a,

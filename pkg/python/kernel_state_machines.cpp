@@ -52,13 +52,13 @@ void bindStateMachines(py::module_& m)
 	                "Count a step. Returns true if a message is due.")
 	        .def("message", &StepCounts::message);
 	py::class_<StopTest>(m, "StopTest", "Stop criteria of sweeps; settings as in `solve`.")
-	        .def(py::init([](double tolerance, double kinematicTolerance, double meanForceChange,
+	        .def(py::init([](double tolerance, double accuracy, double meanForceChange,
 	                              int checkInterval, int minIterations, int maxIterations,
 	                              int stallSweeps) {
-		        return StopTest(stopSettings(tolerance, kinematicTolerance, meanForceChange,
+		        return StopTest(stopSettings(tolerance, accuracy, meanForceChange,
 		                checkInterval, minIterations, maxIterations, stallSweeps));
 	        }),
-	                "tolerance"_a = 1e-4, "kinematic_tolerance"_a = 0.01, "mean_force_change"_a = 0,
+	                "tolerance"_a = 1e-4, "accuracy"_a = 0.01, "mean_force_change"_a = 0,
 	                "check_interval"_a = 10, "min_iterations"_a = 0, "max_iterations"_a = 1000,
 	                "stall_sweeps"_a = 0)
 	        .def(
@@ -66,12 +66,12 @@ void bindStateMachines(py::module_& m)
 	                [](StopTest& test, const std::function<std::array<double, 3>()>& measure,
 	                        bool early) {
 		                return test.mustStop(early, [&] {
-			                const auto [residual, kinematicError, change] = measure();
-			                return Criteria { { residual, kinematicError }, change };
+			                const auto [residual, estimate, change] = measure();
+			                return Criteria { residual, estimate, change };
 		                });
 	                },
 	                "measure"_a, "early"_a = false,
-	                "`measure()` returns (residual, kinematic error, mean force change).")
+	                "`measure()` returns (residual, error estimate, mean force change).")
 	        .def_property_readonly("sweeps", &StopTest::sweeps);
 }
 

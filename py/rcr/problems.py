@@ -112,7 +112,7 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     if bodies:
         order = problem.order()
         arguments = problem.arrays() | dict(impulse=start[order])
-        found = _kernel.solve(**arguments, **settings, kinematic_tolerance=np.inf)
+        found = _kernel.solve(**arguments, **settings)
         for name in ("impulse", "relative_velocity"):
             found[name][order] = found[name].copy()
     else:

@@ -18,7 +18,7 @@ from scene_fuzzer import R, deepest_overlap, scenes, set_state, solver
 
 SLOP = 1.01e-4  # overlap over R₁ + R₂; corrections of deeper ones depend on the order of bodies
 SETTLING = 25  # steps
-FINE = dict(solver="exact", tolerance=1e-11, kinematicTolerance=1e-9, maxIterations=20000)
+FINE = dict(solver="exact", tolerance=1e-11, accuracy=1e-9, maxIterations=20000)
 
 
 def part(kind, at, angle, size=R, form=0.0):

@@ -32,7 +32,7 @@ def solved(problem, tolerance=1e-10):
     """The problem with its solution as warm start, and the kernels' report."""
     arrays = problem.arrays()
     found = _kernel.solve(**arrays, solver="exact", tolerance=tolerance, max_iterations=100000,
-                          kinematic_tolerance=np.inf)
+                          accuracy=np.inf)
     return problems.BodyProblem(**{**arrays, "impulse": found["impulse"]}), found
 
 

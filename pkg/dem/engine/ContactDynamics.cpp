@@ -160,7 +160,7 @@ void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 	iterations = iterations + report.iterations;
 	work_ += report.work;
 	residual       = report.residual;
-	kinematicError = report.kinematicError;
+	errorEstimate  = report.errorEstimate;
 	converged      = report.converged;
 	yielded        = report.yielded;
 	contactPoints  = int(step_.problem.points.size());

@@ -66,8 +66,8 @@ public:
 		"Solves all rigid contacts of a step together (nonsmooth Contact Dynamics, Moreau time stepping) and adds their forces to "
 		"the bodies. It stands between :yref:`InteractionLoop` and :yref:`NewtonIntegrator`, whose damping must be 0. "
 		"docs/law.md and docs/solvers.md describe the settings.",
-		((Real,tolerance,1e-4,,"Residual at which the solver stops [-]; 0 runs all iterations."))
-		((Real,kinematicTolerance,0.01,,"Largest :yref:`kinematicError<ContactDynamics.kinematicError>` at which the solver stops [-]; tolerance must be met too. inf switches it off."))
+		((Real,accuracy,0.01,,"Relative error of velocities and forces at which the solver stops [-], by :yref:`errorEstimate<ContactDynamics.errorEstimate>`. Ten times as much in dense packings with friction, whose solutions differ by more than 1 %. inf switches it off."))
+		((Real,tolerance,1e-4,,"Residual that a solution must also meet [-]; 0 runs all iterations."))
 		((int,maxIterations,1000,,"Sweeps that a step may take. Further passes, yielding contacts and squeezed grains may take more."))
 		((std::string,solver,"auto",,""))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)."))
@@ -78,10 +78,10 @@ public:
 		((bool,trackMeanStretch,false,,"Overdamped bodies also start from the mean stretch of earlier steps, so that no drag resists it. Not in a periodic cell."))
 		((std::vector<int>,observe,,,""))
 		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
-		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances (or meanForceChange), no contact yielded, and no late contact was left out. False also if two bodies span half of a periodic cell, or if large displacements of bodies with inertia left an overlap beyond 0.02 (R₁ + R₂)."))
+		((Published<bool>,converged,true,Attr::readonly,"The last step met accuracy and tolerance (or meanForceChange), no contact yielded, and no late contact was left out. False also if two bodies span half of a periodic cell, or if large displacements of bodies with inertia left an overlap beyond 0.02 (R₁ + R₂)."))
 		((Published<int>,iterations,0,Attr::readonly,"Sweeps of the last step over all its passes, those of the island with most sweeps. May exceed maxIterations."))
 		((Published<double>,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
-		((Published<double>,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step over their RMS [-]. The divisor is at least 1 % of the RMS at zero impulses."))
+		((Published<double>,errorEstimate,0,Attr::readonly,"Estimated error of the last step, relative to its velocity changes and forces [-]: the distance to the solution that the solver approaches. inf: unknown."))
 		((Published<int>,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance."))
 		((Published<bool>,yielded,false,Attr::readonly,"Contacts of the last step yielded: it had no solution, or only one with impulses that its drive and loads do not explain."))
 		((Published<double>,unbalancedForce,0,Attr::readonly,"Mean net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))

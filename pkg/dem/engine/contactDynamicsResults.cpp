@@ -13,7 +13,7 @@ StepOutcome ContactDynamics::stepOutcome() const
 	const bool missed = tolerance > 0 && !converged;
 	return { scene->iter, double(scene->time + scene->dt), iterations, contactPoints,
 		double(residual), missed, yielded,
-		missed ? double(std::max(residual / tolerance, kinematicError / kinematicTolerance)) : 0 };
+		missed ? std::min(double(errorEstimate), 1.0) : 0 };
 }
 
 /// Counts the step with its overlap at the beginning. Throws the error of a jam.

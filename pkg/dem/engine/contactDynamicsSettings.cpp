@@ -21,9 +21,9 @@ std::string ContactDynamics::attributeError() const
 	using validation::text;
 	if (!(correction >= 0 && correction <= 1))
 		return message("correction", text(correction), "a fraction of the overlap, 0 to 1.");
-	if (!(kinematicTolerance > 0))
-		return message("kinematicTolerance", text(kinematicTolerance),
-		        "a number > 0, 0.01 by default; math.inf switches the test off.");
+	if (!(accuracy > 0))
+		return message("accuracy", text(accuracy),
+		        "a relative error > 0, 0.01 by default; math.inf switches the test off.");
 	if (!math::isfinite(tolerance))
 		return message("tolerance", text(tolerance),
 		        "a finite residual, 1e-4 by default; 0 runs maxIterations.");
@@ -57,7 +57,7 @@ rcr::Settings ContactDynamics::settings(const rcr::YieldBounds& bounds) const
 	rcr::Settings s;
 	s.tolerance          = double(tolerance);
 	s.maxIterations      = std::min(maxIterations, mostIterations);
-	s.kinematicTolerance = double(kinematicTolerance);
+	s.accuracy           = double(accuracy);
 	s.meanForceChange    = double(meanForceChange);
 	s.threads            = solverThreads();
 	s.lanes              = lanes;

@@ -16,7 +16,7 @@ struct StepOutcome {
 	double residual;
 	bool   missed;         // it did not converge, at a tolerance > 0
 	bool   yielded;
-	double toleranceRatio; // max(residual/tolerance, kinematicError/kinematicTolerance) if missed
+	double missedError; // estimated error of a missed step, at most 1; else 0 [-]
 };
 
 class StepMonitor {

@@ -69,8 +69,8 @@ void StepObserver::add(Sums& sums, const StepOutcome& outcome, const std::vector
 	sums.residual = std::max(sums.residual, outcome.residual);
 	if (outcome.missed) {
 		++sums.missed;
-		sums.ratioSum += outcome.toleranceRatio;
-		sums.largestRatio = std::max(sums.largestRatio, outcome.toleranceRatio);
+		sums.ratioSum += outcome.missedError;
+		sums.largestRatio = std::max(sums.largestRatio, outcome.missedError);
 	}
 	for (auto& [id, sum] : sums.force)
 		sum = sum + impulses[id] / dt;

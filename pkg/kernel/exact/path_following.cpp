@@ -94,11 +94,11 @@ namespace {
 				const double t = piece.kind == Piece::stick
 				        ? k * e.t
 				        : piece.side * problem_.contacts[i].friction * k * e.n;
-				applyImpulse(problem_.contacts[i], { k * e.n, t }, direction_);
+				problem_.applyImpulse(i, { k * e.n, t }, direction_);
 			}
 			problem_.matrix.solve(direction_);
 			for (std::size_t i = 0; i < problem_.size(); ++i)
-				rate_[i] = relativeVelocity(problem_.contacts[i], direction_) - shift_[i];
+				rate_[i] = problem_.relativeVelocity(i, direction_) - shift_[i];
 			return true;
 		}
 
@@ -153,11 +153,10 @@ namespace {
 		bool pivot(const Edge& edge)
 		{
 			const RankOne        change = changeOf(edge);
-			const ScaledContact& c      = problem_.contacts[change.contact];
 			std::fill(response_.begin(), response_.end(), BlockVector {});
-			applyImpulse(c, change.column, response_);
+			problem_.applyImpulse(change.contact, change.column, response_);
 			applyInverse(response_);
-			const LocalVector r     = relativeVelocity(c, response_);
+			const LocalVector r     = problem_.relativeVelocity(change.contact, response_);
 			const double      delta = 1 + change.row.n * r.n
 			        + change.row.t * r.t; // ratio of the determinants
 			if (!(delta > 0)) {
@@ -170,7 +169,7 @@ namespace {
 			const LocalVector du     = rate_[change.contact];
 			const double      amount = dot(change.row, du) / delta;
 			for (std::size_t i = 0; i < problem_.size(); ++i)
-				rate_[i] = rate_[i] - amount * relativeVelocity(problem_.contacts[i], response_);
+				rate_[i] = rate_[i] - amount * problem_.relativeVelocity(i, response_);
 			updates_.push_back({ change, delta, response_ });
 			return true;
 		}
@@ -193,7 +192,7 @@ namespace {
 		{
 			problem_.matrix.solve(b);
 			for (const Update& update : updates_) {
-				const LocalVector u = relativeVelocity(problem_.contacts[update.change.contact], b);
+				const LocalVector u = problem_.relativeVelocity(update.change.contact, b);
 				const double      amount = dot(update.change.row, u) / update.delta;
 				for (std::size_t i = 0; i < b.size(); ++i)
 					for (int j = 0; j < 4; ++j)
@@ -208,7 +207,7 @@ namespace {
 			std::vector<double> energy(problem_.size(), 0);
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
 				if (problem_.pieces[i].kind == Piece::apart) continue;
-				const LocalVector u = relativeVelocity(problem_.contacts[i], response_);
+				const LocalVector u = problem_.relativeVelocity(i, response_);
 				energy[i]           = problem_.stiffness[i] * square(u);
 			}
 			const double least = minEnergyShare * *std::max_element(energy.begin(), energy.end());

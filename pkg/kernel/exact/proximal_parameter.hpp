@@ -10,6 +10,11 @@ namespace rcr {
 /// halves this number. The solution takes several steps to leave an unstable state.
 class ProximalParameter {
 public:
+	/// `most`: bound of ρ. Rounding dominates above; a row of a thousand bodies needs 1e7.
+	explicit ProximalParameter(double most = leastBound)
+	        : most_(std::clamp(most, leastBound, largestBound))
+	{
+	}
 	double rho() const { return rho_; }
 
 	void stepConverged()
@@ -18,7 +23,7 @@ public:
 		raised_ = ++steps_ >= patience_;
 		if (!raised_) return;
 		steps_ = 0;
-		rho_   = std::min(max, change * rho_);
+		rho_   = std::min(most_, change * rho_);
 	}
 
 	void stepFailed()
@@ -30,10 +35,11 @@ public:
 	}
 
 private:
-	static constexpr double min = 1e-2, max = 1e6; // rounding dominates above
+	static constexpr double min = 1e-2, leastBound = 1e6, largestBound = 1e8;
 	static constexpr double change      = 10;      // factor of a rise or fall
 	static constexpr int    maxPatience = 64;      // steps at one ρ
 
+	double most_;
 	double rho_      = 1e3;
 	int    patience_ = 1;     // steps that must converge before the next rise
 	int    steps_    = 0;     // converged since the last change

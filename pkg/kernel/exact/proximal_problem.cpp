@@ -79,11 +79,35 @@ static BlockVector scaledSum(const BlockVector& a, const BlockVector& b, double 
 	return sum;
 }
 
-ProximalProblem::ProximalProblem(const ContactProblem& problem)
-        : bodyCount_(problem.inverseMass.size())
+/// Rows of the stretch rates: u changes by δg ∘ the stretch arm.
+static CellRows cellRowsOf(const ContactProblem& problem, const ContactPoint& c)
 {
-	contacts = scaledContacts(problem, origin_);
-	matrix   = BlockLu(static_cast<int>(bodyCount_), findPairs(contacts));
+	const Vec2 inverse = problem.inverseStretchMass;
+	const Vec2 arm     = componentwise(
+                problem.stretchArm(c), { std::sqrt(inverse.x), std::sqrt(inverse.y) });
+	const Vec2 n = componentwise(c.normal, arm), t = componentwise(perp(c.normal), arm);
+	return { { { n.x, n.y, 0, 0 } }, { { t.x, t.y, 0, 0 } } };
+}
+
+ProximalProblem::ProximalProblem(const ContactProblem& problem)
+        : bodyCount_(problem.inverseMass.size() + problem.stretches())
+{
+	contacts                         = scaledContacts(problem, origin_);
+	std::vector<BlockLu::Pair> pairs = findPairs(contacts);
+	if (problem.stretches()) {
+		cellPair_.assign(bodyCount_, -1);
+		const auto connect = [&](std::int32_t body) {
+			if (cellPair_[body] >= 0 || problem.prescribed(body)) return;
+			cellPair_[body] = static_cast<std::int32_t>(pairs.size());
+			pairs.push_back({ body, static_cast<std::int32_t>(bodyCount_ - 1) });
+		};
+		for (std::size_t i = 0; i < contacts.size(); ++i) {
+			cellRows.push_back(cellRowsOf(problem, problem.points[origin_[i]]));
+			connect(contacts[i].body1);
+			connect(contacts[i].body2);
+		}
+	}
+	matrix = BlockLu(static_cast<int>(bodyCount_), pairs);
 	stiffness.resize(size());
 	pieces.resize(size());
 	reference.resize(size());
@@ -95,7 +119,7 @@ void ProximalProblem::setReference(ContactProblem& problem)
 {
 	updateVelocity(problem);
 	for (std::size_t i = 0; i < size(); ++i) {
-		referenceVelocity[i] = relativeVelocity(problem, problem.points[origin_[i]]);
+		referenceVelocity[i] = rcr::relativeVelocity(problem, problem.points[origin_[i]]);
 		referenceVelocity[i].n += contacts[i].bias;
 		reference[i] = problem.impulse[origin_[i]];
 	}
@@ -116,13 +140,37 @@ bool ProximalProblem::factor()
 			addProduct(matrix.pairBlock(c.pair, !c.flipped), x2, y1);
 		};
 		const double k = stiffness[i], side = pieces[i].side * c.friction; // 0 if it sticks
-		add(scaledSum(c.normal1, c.tangent1, side, k), scaledSum(c.normal2, c.tangent2, side, k),
-		        c.normal1, c.normal2);
-		if (pieces[i].kind == Piece::stick)
-			add(scaledSum(c.tangent1, c.normal1, 0, k), scaledSum(c.tangent2, c.normal2, 0, k),
-			        c.tangent1, c.tangent2);
+		const BlockVector normal1  = scaledSum(c.normal1, c.tangent1, side, k),
+		                  normal2  = scaledSum(c.normal2, c.tangent2, side, k),
+		                  tangent1 = scaledSum(c.tangent1, c.normal1, 0, k),
+		                  tangent2 = scaledSum(c.tangent2, c.normal2, 0, k);
+		const bool        sticks   = pieces[i].kind == Piece::stick;
+		add(normal1, normal2, c.normal1, c.normal2);
+		if (sticks) add(tangent1, tangent2, c.tangent1, c.tangent2);
+		if (cellRows.empty()) continue;
+		const CellRows& cell = cellRows[i];
+		addCellBlocks(i, normal1, normal2, scaledSum(cell.normal, cell.tangent, side, k), c.normal1,
+		        c.normal2, cell.normal);
+		if (sticks)
+			addCellBlocks(i, tangent1, tangent2, scaledSum(cell.tangent, cell.normal, 0, k),
+			        c.tangent1, c.tangent2, cell.tangent);
 	}
 	return matrix.factor();
+}
+
+/// Adds x yᵀ to the blocks of the cell, where x and y have parts of body 1, body 2 and the cell.
+void ProximalProblem::addCellBlocks(std::size_t contact, const BlockVector& x1,
+        const BlockVector& x2, const BlockVector& xc, const BlockVector& y1, const BlockVector& y2,
+        const BlockVector& yc)
+{
+	const auto couple = [&](std::int32_t body, const BlockVector& x, const BlockVector& y) {
+		if (cellPair_[body] < 0) return;
+		addProduct(matrix.pairBlock(cellPair_[body], false), x, yc);
+		addProduct(matrix.pairBlock(cellPair_[body], true), xc, y);
+	};
+	couple(contacts[contact].body1, x1, y1);
+	couple(contacts[contact].body2, x2, y2);
+	addProduct(matrix.diagonal(static_cast<std::int32_t>(bodyCount_ - 1)), xc, yc);
 }
 
 void ProximalProblem::store(ContactProblem& problem) const

@@ -38,6 +38,11 @@ struct ScaledContact {
 	bool         flipped; // body 1 is the second of that pair
 };
 
+/// Rows of Ĵ of the stretch rates of a cell, for one contact point.
+struct CellRows {
+	BlockVector normal, tangent;
+};
+
 struct Piece {
 	enum Kind : std::int8_t { apart, stick, slide };
 	Kind        kind = apart;
@@ -68,9 +73,30 @@ inline void applyImpulse(const ScaledContact& c, const LocalVector& p, BodyVecto
 	}
 }
 
+inline double dot(const BlockVector& a, const BlockVector& b)
+{
+	return a.entry[0] * b.entry[0] + a.entry[1] * b.entry[1] + a.entry[2] * b.entry[2];
+}
+
 class ProximalProblem {
 public:
 	explicit ProximalProblem(const ContactProblem&);
+
+	/// Ĵ y of a contact point.
+	LocalVector relativeVelocity(std::size_t i, const BodyVector& y) const
+	{
+		LocalVector u = rcr::relativeVelocity(contacts[i], y);
+		if (cellRows.empty()) return u;
+		return u + LocalVector { dot(cellRows[i].normal, y.back()), dot(cellRows[i].tangent, y.back()) };
+	}
+	/// y ← y + Ĵᵀ p of a contact point.
+	void applyImpulse(std::size_t i, LocalVector p, BodyVector& y) const
+	{
+		rcr::applyImpulse(contacts[i], p, y);
+		if (cellRows.empty()) return;
+		for (int k = 0; k < 2; ++k)
+			y.back().entry[k] += cellRows[i].normal.entry[k] * p.n + cellRows[i].tangent.entry[k] * p.t;
+	}
 
 	/// Takes the impulses of the problem as reference, and updates its velocities.
 	void setReference(ContactProblem&);
@@ -82,9 +108,11 @@ public:
 	void store(ContactProblem&) const;
 
 	std::size_t size() const { return contacts.size(); }
+	/// Number of bodies. A cell that stretches is the last one.
 	std::size_t bodies() const { return bodyCount_; }
 
 	std::vector<ScaledContact> contacts;
+	std::vector<CellRows>      cellRows; // empty unless a cell stretches
 	std::vector<double>        stiffness; // k
 	std::vector<Piece>         pieces;
 	std::vector<LocalVector>   reference;         // p_ref
@@ -93,7 +121,12 @@ public:
 	BlockLu                    matrix;
 
 private:
-	std::size_t              bodyCount_;
+	void addCellBlocks(std::size_t contact, const BlockVector& x1, const BlockVector& x2,
+	        const BlockVector& xc, const BlockVector& y1, const BlockVector& y2,
+	        const BlockVector& yc);
+
+	std::size_t               bodyCount_;
+	std::vector<std::int32_t> cellPair_; // number of the pair of a body and the cell; −1: none
 	std::vector<std::size_t> origin_; // number of each contact in the contact problem
 };
 

@@ -27,23 +27,18 @@ namespace {
 	constexpr int pivotSweeps  = 20; // more sweeps per pivot of the path; they cost about a pivot
 	constexpr int maxPivots    = 2000; // of one path
 
-	/// The best impulses so far.
+	/// The best impulses so far: those that meet the limits, or with the smallest residual.
 	struct Best {
-		Errors                   errors;
+		double                   residual, errorEstimate;
 		std::vector<LocalVector> impulse;
 
-		/// Largest ratio of a measure to its criterion: ≤ 1 if both are met. A criterion of 0
-		/// counts as the smallest positive number.
-		double distance(const Settings& s) const
+		bool meets(const Settings& s) const
 		{
-			constexpr double least = std::numeric_limits<double>::min();
-			return std::max(errors.residual / std::max(s.tolerance, least),
-			        errors.kinematicError / std::max(s.kinematicTolerance, least));
+			return s.areMet(residual, errorEstimate) || (s.tolerance == 0 && residual == 0);
 		}
-
 		void offer(const Best& other, const Settings& settings)
 		{
-			if (!(other.distance(settings) >= distance(settings))) *this = other; // also of NaN
+			if (other.meets(settings) || !(other.residual >= residual)) *this = other; // also of NaN
 		}
 	};
 
@@ -53,9 +48,17 @@ namespace {
 	{
 		Settings sweeps           = settings;
 		sweeps.tolerance          = tolerance;
-		sweeps.kinematicTolerance = std::numeric_limits<double>::infinity(); // exact steps meet it
+		sweeps.accuracy           = unknownError; // exact steps meet it
 		sweeps.maxIterations      = maxIterations;
 		return solveNesterov(problem, sweeps, workspace);
+	}
+
+	double softestParameter(const std::vector<ProximalParameter>& rho)
+	{
+		double softest = std::numeric_limits<double>::infinity();
+		for (const ProximalParameter& one : rho)
+			softest = std::min(softest, one.rho());
+		return softest;
 	}
 
 	/// One proximal step about the present impulses.
@@ -85,7 +88,7 @@ Report sweepForExactSteps(ContactProblem& problem, const Settings& settings, Wor
 	Report       report    = sweep(problem, settings, tolerance, most, workspace);
 	report.converged       = true;
 	for (Report& island : report.islands) {
-		island.converged = island.meetsTolerances(settings);
+		island.converged = island.meets(settings.forGoalOf(island.shape));
 		report.converged = report.converged && island.converged;
 	}
 	return report;
@@ -105,18 +108,26 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 		        && (exceedsEnergyBound(problem) || isDivergent(problem, before));
 		return report.yielded;
 	};
-	report.kinematicError = errorsOf(problem, settings.velocityFloor).kinematicError;
 	report.iterations = 0, report.work = 0;
 	ProximalProblem                proximal(problem);
-	std::vector<ProximalParameter> rho(proximal.size());
-	Best       best { report, problem.impulse };
+	std::vector<ProximalParameter> rho(
+	        proximal.size(), ProximalParameter(10 * swept.shape.condition()));
+	Best best { residualOf(problem), report.errorEstimate, problem.impulse };
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
-	while (!(best.distance(settings) <= 1) && left() > 0) {
+	while (!best.meets(settings) && left() > 0) {
 		remember();
-		const PathEnd end = proximalStep(problem, proximal, rho, left() / settings.exactCost);
+		const std::vector<LocalVector> reference = problem.impulse;
+		const double  softest = softestParameter(rho);
+		const PathEnd end     = proximalStep(problem, proximal, rho, left() / settings.exactCost);
 		report.iterations += settings.exactCost * (1 + end.pivots);
 		if (mustYield()) return report.plusCostOf(swept);
-		best.offer({ errorsOf(problem, settings.velocityFloor), problem.impulse }, settings);
+		// a step about a reference shortens its smoothest error by 1 + ρ/condition
+		updateVelocity(problem);
+		const double distance = distanceFrom(problem, reference),
+		             estimate = end.complete
+		        ? distance * (swept.shape.condition() / softest)
+		        : best.errorEstimate;
+		best.offer({ residualOf(problem), estimate, problem.impulse }, settings);
 		if (!end.complete && left() > 0) {
 			const int most    = std::min(repairSweeps + pivotSweeps * end.pivots, left());
 			Settings  again   = settings;
@@ -128,10 +139,11 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
-	static_cast<Errors&>(report) = errorsOf(problem, settings.velocityFloor);
+	report.residual      = residualOf(problem);
+	report.errorEstimate = best.errorEstimate;
 	report.dissipated            = dissipatedEnergy(problem);
 	report.impulseGrowth = std::numeric_limits<double>::infinity(); // unknown after exact steps
-	report.converged     = report.meetsTolerances(settings);
+	report.converged     = report.meets(settings);
 	return report.plusCostOf(swept);
 }
 

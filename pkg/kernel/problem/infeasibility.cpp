@@ -22,16 +22,64 @@ static double massAt(const InverseMass& m, Vec2 arm, double response)
 	                    : std::numeric_limits<double>::infinity();
 }
 
+/// Bounding box of points, also of velocities.
+struct Box {
+	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+
+	void include(Vec2 v)
+	{
+		low[0] = std::min(low[0], v.x), high[0] = std::max(high[0], v.x);
+		low[1] = std::min(low[1], v.y), high[1] = std::max(high[1], v.y);
+	}
+	Vec2 size() const { return { std::max(0.0, high[0] - low[0]), std::max(0.0, high[1] - low[1]) }; }
+};
+
+/// Shortest and longest lever of the contacts of a hinged body [m].
+struct Levers {
+	double shortest = INFINITY, longest = 0;
+
+	void include(double lever)
+	{
+		if (lever <= 0) return;
+		shortest = std::min(shortest, lever), longest = std::max(longest, lever);
+	}
+	double ratio() const { return longest > 0 ? longest / shortest : 1; }
+};
+
+double leverAmplification(
+        const ContactProblem& problem, const std::vector<LocalVector>& d, double least)
+{
+	std::vector<Levers> levers(problem.inverseMass.size()); // of hinged bodies
+	const auto          include = [&](int body, Vec2 arm, Vec2 normal) {
+        const InverseMass& m = problem.inverseMass[body];
+        if (!m.translates() && m.rotation > 0) levers[body].include(std::abs(cross(arm, normal)));
+	};
+	for (std::size_t k = 0; k < problem.points.size(); ++k) {
+		if (!d.empty() && d[k].n <= least) continue;
+		const ContactPoint& c = problem.points[k];
+		include(c.body1, c.arm1, c.normal);
+		include(c.body2, c.arm2, c.normal);
+	}
+	double product = 1; // levers in series
+	for (const Levers& one : levers)
+		product *= one.ratio();
+	return product;
+}
+
 /// V_s of a direction.
 static double velocityScale(const ContactProblem& problem, const std::vector<LocalVector>& d)
 {
 	double largest = 0, speed2 = 0, opening = 0;
+	Box    velocities, places; // of the bodies where d acts
 	for (const LocalVector& one : d)
 		largest = std::max(largest, one.n);
 	const double        none = std::numeric_limits<double>::infinity();
 	std::vector<double> mass(problem.inverseMass.size(), none); // where d acts
 	const auto          include = [&](int body, Vec2 arm, double response) {
-        mass[body] = std::min(mass[body], massAt(problem.inverseMass[body], arm, response));
+        const InverseMass& m = problem.inverseMass[body];
+        mass[body]           = std::min(mass[body], massAt(m, arm, response));
+        velocities.include({ problem.freeVelocity[body].x, problem.freeVelocity[body].y });
+        places.include(problem.placeOf(body));
 	};
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		if (d[k].n <= noiseShare * largest) continue;
@@ -43,9 +91,14 @@ static double velocityScale(const ContactProblem& problem, const std::vector<Loc
 		include(c.body1, c.arm1, delassus(c, problem.inverseMass[c.body1], {}).nn);
 		include(c.body2, c.arm2, delassus(c, {}, problem.inverseMass[c.body2]).nn);
 	}
-	const double total = std::accumulate(mass.begin(), mass.end(), 0.0,
+	double total = std::accumulate(mass.begin(), mass.end(), 0.0,
 	        [&](double sum, double one) { return one < none ? sum + one : sum; });
-	return std::sqrt(total) * (std::sqrt(speed2) + opening);
+	const Vec2 inverse = problem.inverseStretchMass, length = places.size();
+	if (inverse.x > 0 && length.x > 0) total += 1 / (inverse.x * length.x * length.x);
+	if (inverse.y > 0 && length.y > 0) total += 1 / (inverse.y * length.y * length.y);
+	const double speed     = std::max(std::sqrt(speed2), norm(velocities.size()));
+	const double amplified = leverAmplification(problem, d, noiseShare * largest);
+	return std::sqrt(total) * amplified * (speed + opening);
 }
 
 /// The bound of the header over V_s [-], for impulses projected onto their cones. Infinity: no

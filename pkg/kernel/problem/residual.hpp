@@ -1,4 +1,10 @@
-// Error measures of a solution. All solvers, tests and charts use these.
+// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
+//
+//   ‖d‖ / ‖p‖,   d = p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn),   K = { |p_t| ≤ µ p_n }
+//
+// The denominator has a lower bound (residualFromSums). The residual is 0 if and only if the laws
+// hold exactly. It is not the error of the solution: error_estimate.hpp.
+// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 #pragma once
 
 #include <algorithm>
@@ -14,9 +20,11 @@ namespace rcr {
 /// default tolerance.
 constexpr double maxFriction = 1e3;
 
-/// Errors of the impulses. The velocities u are recomputed from them. Points between two prescribed
-/// bodies (w_nn = 0) do not count.
-Errors errorsOf(const ContactProblem&, double velocityFloor);
+/// Sums over the points. The velocities u are recomputed from the impulses. Points between two
+/// prescribed bodies (w_nn = 0) do not count. `leastResponse`: see Measures.
+Measures measuresOf(const ContactProblem&, double leastResponse = 0);
+/// Residual of the impulses.
+double residualOf(const ContactProblem&);
 
 /// √(error2 / scale2); NaN if the scale overflows, because the error may have overflowed too.
 inline double relativeRms(double error2, double scale2)
@@ -27,13 +35,15 @@ inline double relativeRms(double error2, double scale2)
 }
 
 /// Terms of one point in the sums. `u`: without the bias; `wnn` > 0.
-inline Measures measuresOf(LocalVector p, LocalVector u, double bias, double friction, double wnn)
+inline Measures measuresOf(LocalVector p, LocalVector u, double bias, double friction, double wnn,
+        double leastResponse = 0)
 {
 	const double un       = u.n + bias;
 	const double error2   = square(lawError(p, { un, u.t }, friction, wnn));
 	const double stopping = (std::abs(u.n) + std::abs(bias)) / wnn;
-	return { error2, square(p), p.n, wnn * wnn * error2, square(u), stopping * stopping,
-		     -dot(p, { un, u.t }) };
+	const double energy   = wnn >= leastResponse ? wnn : 0;
+	return { error2, square(p), p.n, wnn * wnn * error2, stopping * stopping,
+		-dot(p, { un, u.t }), energy * error2, energy * square(p) };
 }
 
 /// Residual from sums of squares over the points: error, p, and the impulse that stops a point,
@@ -44,12 +54,9 @@ inline double residualFromSums(double error2, double impulse2, double stopping2)
 	return relativeRms(error2, std::max(impulse2, 1e-16 * stopping2));
 }
 
-/// Errors from sums over the points; `freeVelocity2`: Σ |u_free|² [(m/s)²].
-inline Errors errorsFromSums(const Measures& m, double freeVelocity2, double velocityFloor)
+inline double residualFromSums(const Measures& m)
 {
-	const double scale2 = std::max(m.velocity2, velocityFloor * velocityFloor * freeVelocity2);
-	return { residualFromSums(m.error2, m.impulse2, m.stopping2),
-		relativeRms(m.kinematicError2, scale2) };
+	return residualFromSums(m.error2, m.impulse2, m.stopping2);
 }
 
 } // namespace rcr

@@ -27,9 +27,8 @@ void checkSettings(const std::string& solver, const Settings& s)
 	if (s.threads < 1) refuse("threads = ", s.threads, ": give at least 1");
 	if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
 		refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for the width of the processor");
-	if (!(s.kinematicTolerance >= 0))
-		refuse("kinematicTolerance = ", s.kinematicTolerance,
-		       ": give a fraction ≥ 0; infinity disables the test");
+	if (!(s.accuracy > 0))
+		refuse("accuracy = ", s.accuracy, ": give a fraction > 0; infinity disables the test");
 	if (!(s.yielding.compliance >= 0))
 		refuse("yieldCompliance = ", s.yielding.compliance,
 		       ": give a fraction ≥ 0 of the response of a contact; 0 keeps contacts rigid");

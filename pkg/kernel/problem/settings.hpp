@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "problem/measures.hpp"
+#include "problem/error_estimate.hpp"
 #include "problem/reductions.hpp"
 #include "problem/yielding.hpp"
 
@@ -20,14 +20,9 @@ struct Settings {
 	int    lanes         = 0; // kernels: scalar (1), AVX2 (4), the processor's widest (8, 0)
 	int    stallSweeps   = 0; // stops after so many sweeps without a new lowest residual; 0: never
 
-	/// Kinematic error at which to stop, together with the residual (residual.hpp) [-]. The
-	/// residual weighs errors by forces. Velocity errors at a residual of 1e-4 can be as large as
-	/// the flow. Examples are slow flow, large steps and long particles. Infinity: no test.
-	double kinematicTolerance = 0.01;
-
-	/// Lower bound of the velocity scale of the kinematic error, as a fraction of the RMS relative
-	/// velocity without contact impulses [-]. It sets the scale at rest.
-	double velocityFloor = 0.01;
+	/// Estimated error at which to stop, together with the residual (error_estimate.hpp) [-].
+	/// IslandShape::goal relaxes it for dense packings with friction. Infinity: no test.
+	double accuracy = std::numeric_limits<double>::infinity();
 
 	/// Rounding error of velocities [m/s]. An island whose RMS error w_nn |p − P_K(…)| is smaller
 	/// counts as solved, for example bodies that fly together.
@@ -54,8 +49,8 @@ struct Settings {
 
 	Reductions reductions;
 
-	/// Settings of an island with this number of points; null: these settings.
-	Settings (*ofIsland)(const Settings&, int points) = nullptr;
+	/// Settings of the sweeps of an island; null: these settings with the island's goal.
+	Settings (*ofIsland)(const Settings&, const IslandShape&) = nullptr;
 
 	/// The workspace solved this problem last; only biases and impulses may differ. Its packed data
 	/// are reused, and the problem is not checked. A new workspace loads the problem despite this.
@@ -63,11 +58,17 @@ struct Settings {
 
 	bool mayYield() const { return yielding.compliance > 0 && !solutionExists; }
 
-	/// Returns true if residual and kinematic error meet their tolerances. Tolerance 0 is never
-	/// met.
-	bool areMet(const Errors& e) const
+	/// Returns true if residual and estimated error meet their limits. Tolerance 0 is never met.
+	bool areMet(double residual, double errorEstimate) const
 	{
-		return tolerance > 0 && e.residual <= tolerance && e.kinematicError <= kinematicTolerance;
+		return tolerance > 0 && residual <= tolerance && errorEstimate <= accuracy;
+	}
+	/// These settings with the goal of an island as accuracy.
+	Settings forGoalOf(const IslandShape& shape) const
+	{
+		Settings own = *this;
+		own.accuracy = shape.goal(accuracy);
+		return own;
 	}
 };
 

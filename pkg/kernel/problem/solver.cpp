@@ -13,13 +13,15 @@ constexpr double exactBelow = 1e-6; // residual below which exact steps are fast
 constexpr int    leastPatience = 300; // lower bound of patience()
 constexpr int    exactIterations = 10; // exact iterations that cost as much as patience()
 constexpr int    smallProblem = 1000; // points; all exact steps cost at most some hundred sweeps
+constexpr int    fineProblem  = 250;  // points; solved beyond the goal of a packing with friction
 constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
 // a test of divergence needs 20 iterations; later passes may be limited to ten
 constexpr int    minIterationsToProbe = 20;
 constexpr int    sweepsFromZero = 100; // they replace impulses that would add energy
-// factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift
-constexpr double smallProblemFloorFactor = 1e-3;
-constexpr int    maxFineWork = 15000; // most exact iterations × points for this finer floor
+constexpr int    maxFineWork = 15000; // most exact iterations × points beyond the goal of an island
+constexpr int    slimSweeps  = 50; // of slim islands before exact steps, or half the diameter
+constexpr double slimAim = 0.1; // of the accuracy: errors of successive steps add up, and it is cheap
+constexpr int    moreIterations = 3; // exact ones of slim islands, per point and per maxIterations
 // a rigid contact may exceed yieldImpulse by this many impulses |b_n|/w_nn of its rebound
 constexpr double mostRebounds = 3;
 
@@ -127,14 +129,21 @@ static bool isTight(const ContactProblem& problem, const Settings& settings)
 	return settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem);
 }
 
-static Settings firstSweepsOfAuto(const Settings& settings, int points)
+/// Sweeps before exact steps. They aim at the accuracy itself where exact steps may reach it.
+static Settings firstSweepsOfAuto(const Settings& settings, const IslandShape& shape)
 {
-	if (settings.tolerance == 0) return settings;
+	if (settings.tolerance == 0) return settings.forGoalOf(shape);
 	Settings sweeps    = settings;
-	sweeps.stallSweeps = patience(points);
-	if (points > smallProblem) return sweeps;
-	sweeps.velocityFloor *= smallProblemFloorFactor;
-	sweeps.maxIterations = std::min(leastPatience, settings.maxIterations);
+	sweeps.stallSweeps = patience(shape.points);
+	if (shape.slim()) {
+		sweeps.accuracy *= slimAim;
+		sweeps.maxIterations = std::min(
+		        std::max(slimSweeps, shape.diameter / 2), settings.maxIterations);
+		return sweeps;
+	}
+	if (shape.points > fineProblem) sweeps.accuracy = shape.goal(settings.accuracy);
+	if (shape.points <= smallProblem)
+		sweeps.maxIterations = std::min(leastPatience, settings.maxIterations);
 	return sweeps;
 }
 
@@ -144,7 +153,7 @@ static Report sweepTogether(ContactProblem& problem, const std::string& solver,
 {
 	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
 	if (solver == "sor") return solveNlgs(problem, settings, workspace, sorRelaxation);
-	if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
+	if (solver == "nesterov")
 		return solveNesterov(problem, settings, workspace);
 	if (solver == "exact" || isTight(problem, settings))
 		return sweepForExactSteps(problem, settings, workspace);
@@ -153,44 +162,47 @@ static Report sweepTogether(ContactProblem& problem, const std::string& solver,
 	return solveNesterov(problem, sweeps, workspace);
 }
 
-/// `auto` after its sweeps, which have not converged.
+/// `auto` after the sweeps of an island, which have not converged.
 static Report continueAuto(ContactProblem& problem, const Settings& settings, const Report& swept,
         Workspace& workspace)
 {
-	const bool   small = int(problem.points.size()) <= smallProblem;
-	const double floor = settings.velocityFloor,
-	             fine  = small ? floor * smallProblemFloorFactor : floor;
-	Report       report    = swept;
-	const auto   left      = [&] { return settings.maxIterations - report.iterations; };
-	const auto   converged = [&] {
-        return report.meetsResidual(settings)
-                && errorsOf(problem, floor).kinematicError <= settings.kinematicTolerance;
+	const int      points = int(problem.points.size());
+	const bool     slim = swept.shape.slim(), small = points <= smallProblem;
+	const Settings goal = settings.forGoalOf(swept.shape);
+	Report         report   = swept;
+	const auto     left     = [&] { return settings.maxIterations - report.iterations; };
+	const auto     runExact = [&](const Settings& limits, int iterations, int cost) {
+        Settings steps      = limits;
+        steps.sameProblem   = true;
+        steps.maxIterations = iterations;
+        steps.exactCost     = cost;
+        report              = solveExact(problem, steps, report, workspace);
 	};
-	const auto runExact = [&](int iterations, double velocityFloor, int cost) {
-		Settings steps      = settings;
-		steps.sameProblem   = true;
-		steps.velocityFloor = velocityFloor;
-		steps.maxIterations = iterations;
-		steps.exactCost     = cost;
-		report              = solveExact(problem, steps, report, workspace);
-	};
-	const int  cost           = small ? sweepsPerExact : 1;
-	const bool residualMet    = small && report.meetsResidual(settings);
-	int        fineIterations = left();
-	if (residualMet) { // limits the work of exact steps, which improve the velocities only
-		fineIterations = std::min(left(), maxFineWork / int(problem.points.size()));
-		if (left() > fineIterations && !converged()) {
-			Settings sweeps      = settings;
-			sweeps.sameProblem   = true;
-			sweeps.stallSweeps   = patience(problem.points.size());
-			sweeps.maxIterations = left() - fineIterations;
-			report               = solveNesterov(problem, sweeps, workspace).plusCostOf(report);
+	if (slim) {
+		Settings aim = settings;
+		aim.accuracy *= slimAim;
+		runExact(aim, left() + moreIterations * std::min(points, settings.maxIterations), 1);
+	} else if (!small) {
+		runExact(goal, left(), 1);
+	} else {
+		const bool residualMet    = report.meetsResidual(settings);
+		int        fineIterations = left();
+		if (residualMet) { // limits the work of exact steps beyond the goal
+			fineIterations = std::min(left(), maxFineWork / points);
+			if (left() > fineIterations && !report.meets(goal)) {
+				Settings sweeps      = goal;
+				sweeps.sameProblem   = true;
+				sweeps.stallSweeps   = patience(points);
+				sweeps.maxIterations = left() - fineIterations;
+				report               = solveNesterov(problem, sweeps, workspace).plusCostOf(report);
+			}
 		}
+		const Settings& fine = points <= fineProblem ? settings : goal;
+		if (fineIterations > 0) runExact(fine, fineIterations, residualMet ? 1 : sweepsPerExact);
+		if (!report.yielded && left() > 0 && !report.meets(goal))
+			runExact(goal, left(), sweepsPerExact);
 	}
-	if (fineIterations > 0) runExact(fineIterations, fine, residualMet ? 1 : cost);
-	if (small && !report.yielded && left() > 0 && !converged()) runExact(left(), floor, cost);
-	report.kinematicError = errorsOf(problem, floor).kinematicError;
-	report.converged      = report.converged || report.meetsTolerances(settings);
+	report.converged = report.meets(goal);
 	return report;
 }
 
@@ -211,7 +223,7 @@ static Settings remaining(const Settings& settings, const Report& swept)
 static Report solveRigid(ContactProblem& problem, const std::string& solver,
         const Settings& settings, Report swept, Workspace& workspace)
 {
-	if (swept.converged || !takesExactSteps(solver, settings) || problem.stretches()) return swept;
+	if (swept.converged || !takesExactSteps(solver, settings)) return swept;
 	if (std::isnan(swept.residual) && swept.iterations < settings.maxIterations) {
 		problem.impulse.assign(problem.points.size(), {}); // their squares overflow
 		swept = sweepTogether(problem, solver, remaining(settings, swept), workspace)
@@ -299,7 +311,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		                || std::any_of(first, last, perhapsMustYield)))
 			return true;
 		if (island.converged) return false;
-		const bool isSmall = last - first <= smallProblem; // swept to a finer velocityFloor
+		const bool isSmall = last - first <= smallProblem || island.shape.slim(); // few sweeps
 		return (takesExactSteps(solver, settings)
 		               && (isSmall || island.iterations < settings.maxIterations))
 		        || (settings.mayYield() && mayDiverge(island, settings))
@@ -322,8 +334,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		// islands without errors report 0, not rounding errors
 		const bool solved = std::all_of(islands.begin(), islands.end(),
 		        [](const Report& island) { return island.residual == 0; });
-		static_cast<Errors&>(report)
-		        = solved ? Errors {} : errorsOf(problem, settings.velocityFloor);
+		report.residual = solved ? 0 : residualOf(problem);
 		report.impulseGrowth = std::numeric_limits<double>::infinity(); // not measured
 	}
 	report.combine(std::move(islands));

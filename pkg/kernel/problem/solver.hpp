@@ -12,10 +12,12 @@
 
 namespace rcr {
 
-struct Report : Errors {
-	int iterations = 0; // of the island that needs most
-	/// Every island has met its tolerances or meanForceChange, or has the residual 0. `solve`
-	/// revokes this if a blocked contact closes, or if an island exceeds an energy bound
+struct Report {
+	double residual      = 0; // residual.hpp [-]
+	double errorEstimate = 0; // error_estimate.hpp; infinity: unknown [-]
+	int    iterations    = 0; // of the island that needs most
+	/// Every island has met tolerance and accuracy or meanForceChange, or has the residual 0.
+	/// `solve` revokes this if a blocked contact closes, or if an island exceeds an energy bound
 	/// (infeasibility.hpp).
 	bool   converged  = true;
 	bool   yielded    = false; // contacts yielded, or the rigid step was found to be infeasible
@@ -27,15 +29,17 @@ struct Report : Errors {
 	/// ‖Δp‖ over the last probeSweeps sweeps, relative to ‖p‖ [-]; infinity if not measured.
 	double impulseGrowth = std::numeric_limits<double>::infinity();
 
+	IslandShape         shape;   // of an island
 	std::vector<Report> islands; // of each island
 
 	/// Returns true if the residual meets its tolerance. Tolerance 0 is never met.
-	bool meetsResidual(const Settings& s) const { return s.areMet({ residual, 0 }); }
+	bool meetsResidual(const Settings& s) const { return s.areMet(residual, 0); }
 
-	/// Returns true if both errors meet their tolerances. The residual 0 meets the tolerance 0.
-	bool meetsTolerances(const Settings& s) const
+	/// Returns true if residual and estimated error meet their limits. The residual 0 meets the
+	/// tolerance 0.
+	bool meets(const Settings& s) const
 	{
-		return s.areMet(*this) || (s.tolerance == 0 && residual == 0);
+		return s.areMet(residual, errorEstimate) || (s.tolerance == 0 && residual == 0);
 	}
 
 	/// This report with the iterations and the work of an earlier one added.
@@ -51,10 +55,11 @@ struct Report : Errors {
 	void combine(std::vector<Report> all)
 	{
 		converged = true, yielded = false;
-		iterations = 0, work = 0, dissipated = 0;
+		iterations = 0, work = 0, dissipated = 0, errorEstimate = 0;
 		for (const Report& island : all) {
 			converged  = converged && island.converged;
 			yielded    = yielded || island.yielded;
+			errorEstimate = std::max(errorEstimate, island.errorEstimate);
 			iterations = std::max(iterations, island.iterations);
 			work += island.work;
 			dissipated += island.dissipated;

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "parallel/thread_team.hpp"
+#include "problem/infeasibility.hpp"
 #include "problem/list_by_key.hpp"
 
 namespace rcr {
@@ -84,10 +85,12 @@ YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 	}
 	if (bodies == 0) return bounds;
 	const double rows = bodies / std::max(std::sqrt(bodies), double(chain));
-	bounds.yielding = {
+	const double levers = leverAmplification(problem);
+	bounds.yielding     = {
 		std::max(stiffest, bounds.driveSpeed * (total / bodies) * rows / (momentum + loads * load)),
 		response * bodies / total,
-		mostMomenta * std::max(momentum / rows, largestMomentum) + mostLoads * load / rows
+		levers * levers * mostMomenta * std::max(momentum / rows, largestMomentum)
+		        + mostLoads * load / rows
 	};
 	return bounds;
 }

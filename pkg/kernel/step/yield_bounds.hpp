@@ -18,8 +18,9 @@
 //
 // A contact with w_nn < w₀ = 0.1/m̄ yields as if w_nn = w₀, so it bears at most ten times P + 10 L.
 // Under the load L, a contact of the mass m̄ closes more slowly than V/10. A driven island with
-// a contact beyond P_y = 3 max(P, P₁) + 200 L yields although it has a rigid solution. P₁ is the
-// largest m (V + |v_free|) of one body, which a single impact transfers. A struck row bears P. A
+// a contact beyond P_y = 3 A² max(P, P₁) + 200 L yields although it has a rigid solution. P₁ is the
+// largest m (V + |v_free|) of one body, which a single impact transfers. A is the amplification by
+// levers of hinged bodies (problem/infeasibility.hpp). A struck row bears P. A
 // contact in a sheared packing bears at most 40 L. A contact that rebounds at the speed −b_n may
 // bear 3 |b_n|/w_nn more.
 //

@@ -4,6 +4,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "problem/error_estimate.hpp"
 #include "problem/residual.hpp"
 
 namespace rcr {
@@ -67,6 +68,18 @@ void PackedIsland::prepare()
 	forEachOverflowPoint(
 	        [&](OverflowPoint& c) { velocity2 += square(relativeVelocity(view_, c)); });
 	state_.freeVelocity2 = velocity2;
+	// the mean of w_nn
+	forEachChunk([&](const Chunk& chunk, int k) {
+		packed_.sum_[k] = 0;
+		forEachPointBlock(chunk, [&](int column) {
+			const double* const scales = PointColumnsOf<double>(&packed_.point_[column]).inverseNn();
+			for (int lane = 0; lane < blockWidth; ++lane)
+				packed_.sum_[k] += scales[lane] > 0 ? 1 / scales[lane] : 0;
+		});
+	});
+	double response = sum(packed_.sum_);
+	forEachOverflowPoint([&](OverflowPoint& c) { response += c.ownNn; });
+	state_.leastResponse = leastResponseShare * response / island_.shape.points;
 }
 
 void PackedIsland::recomputeVelocities()
@@ -167,11 +180,12 @@ Measures PackedIsland::measure(
         const View<Real>& view, const SweepKernels<Real>& kernels, const ColumnOf<Real>* bias)
 {
 	forEachChunk([&](const Chunk& chunk, int k) {
-		packed_.partial_[k] = kernels.measure(view, chunk, bias);
+		packed_.partial_[k] = kernels.measure(view, chunk, bias, state_.leastResponse);
 	});
 	Measures total = sum(packed_.partial_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		total += measuresOf(c.p, relativeVelocity(view, c), c.bias, c.friction, c.ownNn);
+		total += measuresOf(c.p, relativeVelocity(view, c), c.bias, c.friction, c.ownNn,
+		        state_.leastResponse);
 	});
 	return total;
 }

@@ -21,7 +21,8 @@ public:
 	}
 
 	int number() const { return number_; }
-	int points() const { return island_.points; }
+	int points() const { return island_.shape.points; }
+	const IslandShape& shape() const { return island_.shape; }
 
 	/// Computes lever arms, Delassus coefficients and freeVelocity2. Call it while v = v_free.
 	void prepare();
@@ -39,11 +40,22 @@ public:
 	void endMixedPrecision();
 	bool mixedPrecision() const { return mixedPrecision_; }
 
-	/// Saves the impulses.
-	void saveImpulses();
-	bool hasSavedImpulses() const { return hasSavedImpulses_; }
-	/// Σ |p − p_saved|² [(N s)²]. Call it after endMixedPrecision.
-	double changeSinceSaved();
+	/// Saves the impulses in a slot, 0 … savedSlots − 1.
+	void saveImpulses(int slot);
+	/// Change Δp of the impulses since they were saved.
+	struct Change {
+		double square = 0; // Σ |Δp|² [(N s)²]
+		double energy = 0; // Σ w_nn |Δp|², over the points of impulseEnergy (Measures) [J/m]
+
+		Change& operator+=(const Change& other)
+		{
+			square += other.square, energy += other.energy;
+			return *this;
+		}
+	};
+	Change changeSinceSaved(int slot);
+	/// Σ m |v − v_free|² over the bodies with 1/m ≥ leastResponse (Measures) [J/m].
+	double changeEnergy() const;
 
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures measure();
@@ -119,7 +131,7 @@ private:
 	template <class Loops> void timeSweep(Loops loops)
 	{
 		if (island_.shared)
-			packed_.team.runTimed(packed_.sweepChoice_, island_.points, loops);
+			packed_.team.runTimed(packed_.sweepChoice_, island_.shape.points, loops);
 		else
 			loops();
 	}
@@ -165,7 +177,7 @@ private:
 	PackedProblem::IslandState& state_;
 	PackedView                  view_;
 	View<float>                 singleView_;
-	bool                        mixedPrecision_ = false, hasSavedImpulses_ = false;
+	bool                        mixedPrecision_ = false;
 	int                         sweepsSinceReference_ = 0;
 };
 

@@ -29,13 +29,11 @@ namespace {
 		std::copy_n(NoLeverColumnsOf<From>(from).pt(), blockWidth, NoLeverColumnsOf<To>(to).pt());
 	}
 
-	double squared(double value) { return value * value; }
-
 } // namespace
 
 void PackedIsland::beginMixedPrecision()
 {
-	const double speed = std::sqrt(freeVelocity2() / island_.points);
+	const double speed = std::sqrt(freeVelocity2() / island_.shape.points);
 	if (!island_.shared || packed_.stretches_ || speed == 0 || !fitsFloat(speed)) return;
 	forEachRecords([&](const Range& records) {
 		for (float* const body : { singleView_.body, singleView_.oldBody }) {
@@ -81,39 +79,6 @@ void PackedIsland::copyToDoubles()
 		});
 	});
 	recomputeVelocities();
-}
-
-void PackedIsland::saveImpulses()
-{
-	Column* const to = packed_.savedPoint_.data();
-	forEachChunk([&](const Chunk& chunk, int) {
-		forEachPointBlock(chunk, [&](int k) {
-			inPrecision([&](const auto& view, const auto&) {
-				copyImpulses(view.points + k, to + k, chunk.model);
-			});
-		});
-	});
-	forEachOverflowPoint([](OverflowPoint& c) { c.saved = c.p; });
-	hasSavedImpulses_ = true;
-}
-
-double PackedIsland::changeSinceSaved()
-{
-	forEachChunk([&](const Chunk& chunk, int number) {
-		double change2 = 0;
-		forEachPointBlock(chunk, [&](int k) {
-			const NoLeverColumnsOf<double> now(view_.points + k),
-			        saved(packed_.savedPoint_.data() + k);
-			for (int lane = 0; lane < blockWidth; ++lane) {
-				change2 += squared(now.pn()[lane] - saved.pn()[lane]);
-				if (hasFriction(chunk.model)) change2 += squared(now.pt()[lane] - saved.pt()[lane]);
-			}
-		});
-		packed_.sum_[number] = change2;
-	});
-	double change2 = sum(packed_.sum_);
-	forEachOverflowPoint([&](const OverflowPoint& c) { change2 += square(c.p - c.saved); });
-	return change2;
 }
 
 /// The velocities in doubles become the reference. Inverse masses stay.

@@ -45,7 +45,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		summary_          = layout_.summary();
 		summary_.layouts  = layouts;
 		point_.resize(layout_.columns());
-		savedPoint_.resize(point_.size());
+		for (std::vector<Column>& saved : savedPoint_)
+			saved.resize(2 * std::size_t(layout_.pointBlocks()));
 		for (const Range& vacant : layout_.vacant())
 			std::fill(point_.begin() + vacant.begin, point_.begin() + vacant.end, Column {});
 		body_.assign(offsetOf(layout_.records()) / blockWidth + 1, {});
@@ -60,6 +61,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 
 	const std::vector<PackedPair>& pairs = layout_.pairs();
 	inverseGyration_.resize(problem.inverseMass.size());
+	inverseMass_.assign(layout_.records(), {});
 	team.forEach(problem.inverseMass.size(),
 	        [&](int i) { inverseGyration_[i] = inverseGyration(problem.inverseMass[i]); });
 	team.forEach(problem.inverseMass.size(),
@@ -68,6 +70,11 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		if (pairs[k].slot != none) fill(problem, pairs[k]);
 	});
 	freeBody_ = body_;
+	for (std::size_t i = 0; i < problem.inverseMass.size(); ++i) {
+		const InverseMass& m     = problem.inverseMass[i];
+		const double       scale = inverseGyration_[i];
+		inverseMass_[layout_.record(int(i))] = { m.x, m.y, m.rotation / (scale * scale) };
+	}
 	loadCell(problem);
 	overflow_.clear();
 	states_.assign(islands(), {});
@@ -78,6 +85,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 			addToOverflow(problem, pairs[layout_.overflow()[k]], island.halfRecords);
 		states_[number].overflow.end = int(overflow_.size());
 	}
+	for (std::vector<LocalVector>& saved : savedOverflow_)
+		saved.resize(overflow_.size());
 	for (std::size_t body = 0; body < problem.inverseMass.size(); ++body)
 		if (const int island = layout_.island(int(body)); island != none)
 			states_[island].mass += problem.inverseMass[body].mass();

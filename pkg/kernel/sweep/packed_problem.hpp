@@ -16,6 +16,8 @@ namespace rcr {
 
 class PackedIsland;
 
+constexpr int savedSlots = 3; // impulses of earlier sweeps that an island can save
+
 class PackedProblem {
 public:
 	ThreadTeam team; // for all loops of a step
@@ -63,7 +65,6 @@ private:
 		double       ownNn; // w_nn of the bodies alone
 		LocalVector  p, old;
 		LocalVector  reference; // u of the reference of floats
-		LocalVector  saved;     // p
 	};
 
 	void findYielded(const ContactProblem&);
@@ -104,7 +105,9 @@ private:
 	// records of the layout: now, one sweep before, without impulses
 	Records<double>     body_, oldBody_, freeBody_;
 	std::vector<Column> point_;
-	std::vector<Column> savedPoint_; // only its impulses
+	std::vector<Column>      savedPoint_[savedSlots];    // p_n and p_t of each point block
+	std::vector<LocalVector> savedOverflow_[savedSlots]; // p
+	std::vector<InverseMass> inverseMass_; // per half record, for the scaled velocities
 
 	// the same in floats about a reference
 	Records<float>               singleBody_, singleOldBody_;
@@ -115,6 +118,7 @@ private:
 
 	struct IslandState {
 		Range                   overflow;                   // in overflow_
+		double                  leastResponse      = 0;     // of the energies in Measures [1/kg]
 		double                  mass               = 0;     // of its bodies, not hinged ones [kg]
 		bool                    hasYielded         = false; // in an earlier pass of the step
 		double                  freeVelocity2      = 0;     // Σ |u|² without impulses [(m/s)²]

@@ -2,7 +2,6 @@
 //
 // Velocities are linear in the impulses and are extrapolated with them. Large islands are swept in
 // mixed precision (packed_island.hpp). The stop criteria are confirmed in doubles.
-#include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/sweep_solver.hpp"
 
@@ -18,12 +17,8 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 	return solveBySweeps(problem, settings, workspace, [&](PackedIsland& island, IslandStop& stop) {
 		Momentum momentum;
 		island.beginMixedPrecision();
-		while (!stop.mustStop()) {
-			// stop.sweeps() is 1 before the first sweep
-			if (stop.sweeps() == stop.settings().maxIterations - probeSweeps + 1)
-				island.saveImpulses();
+		while (!stop.mustStop())
 			sweep(island, momentum);
-		}
 		island.endMixedPrecision();
 	});
 }

@@ -84,7 +84,8 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, Workspac
 		problem.points[k].bias     = given[k].bias;
 		problem.points[k].friction = given[k].friction;
 	}
-	static_cast<Errors&>(report) = errorsOf(problem, settings.velocityFloor);
+	report.residual      = residualOf(problem);
+	report.errorEstimate = unknownError;
 	report.yielded               = true;
 	report.converged             = false;
 	return report;

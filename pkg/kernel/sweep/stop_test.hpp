@@ -6,12 +6,15 @@
 namespace rcr {
 
 /// Measured values of the quantities that may stop the sweeps [-].
-struct Criteria : Errors {
+struct Criteria {
+	double residual        = 0;
+	double errorEstimate   = unknownError;
 	double meanForceChange = std::numeric_limits<double>::infinity();
 
 	bool met(const Settings& settings) const
 	{
-		return settings.areMet(*this) || meanForceChange < settings.meanForceChange;
+		return settings.areMet(residual, errorEstimate)
+		        || meanForceChange < settings.meanForceChange;
 	}
 };
 

@@ -1,5 +1,6 @@
 #include "sweep/sweep_solver.hpp"
 
+#include "problem/infeasibility.hpp"
 #include "problem/residual.hpp"
 
 namespace rcr {
@@ -13,53 +14,112 @@ double              Workspace::layoutSeconds() const { return packed_->layoutSec
 constexpr int    sweepsAfterYield  = 50;   // of an island that yielded in an earlier pass
 constexpr double minSingleResidual = 1e-6; // least residual in floats, which round to 6e-8
 
-static Errors errorsOf(
-        const Measures& m, double freeVelocity2, int points, const Settings& settings)
+constexpr int    probeSlot        = 2;    // of impulses for tests of divergence
+
+/// Residual of an island; 0 if its errors are rounding errors of velocities.
+static double residualOf(const Measures& m, int points, const Settings& settings)
 {
-	if (m.kinematicError2 < points * settings.roundingVelocity * settings.roundingVelocity)
-		return {};
-	return errorsFromSums(m, freeVelocity2, settings.velocityFloor);
+	const double rounding = settings.roundingVelocity;
+	return m.kinematicError2 < points * rounding * rounding ? 0 : residualFromSums(m);
 }
 
 Settings IslandStop::settingsFor(const PackedIsland& island, const Settings& settings)
 {
-	Settings own = settings.ofIsland ? settings.ofIsland(settings, island.points()) : settings;
+	Settings own = settings.ofIsland ? settings.ofIsland(settings, island.shape())
+	                                 : settings.forGoalOf(island.shape());
 	if (settings.tolerance > 0 && settings.mayYield() && island.hasYielded())
 		own.maxIterations = std::min(own.maxIterations, sweepsAfterYield);
 	return own;
 }
 
+bool IslandStop::mustStop()
+{
+	const bool early = stop_.sweeps() == 1 && island_.points() == 1;
+	if (stop_.mustStop(early, [this] { return measure(); })) return true;
+	// stop_.sweeps() is 1 before the first sweep
+	if (stop_.sweeps() == settings().maxIterations - probeSweeps + 1) {
+		island_.saveImpulses(probeSlot);
+		probed_ = true;
+	}
+	return false;
+}
+
 Criteria IslandStop::measure()
 {
+	Criteria   criteria = evaluate(false);
+	const bool mayStop  = criteria.met(settings()) || criteria.residual <= minSingleResidual;
+	if (island_.mixedPrecision() && mayStop) {
+		island_.endMixedPrecision();
+		normal_  = std::numeric_limits<double>::quiet_NaN();
+		criteria = evaluate(false);
+	}
+	saveAtCheckpoint(criteria.residual);
+	return criteria;
+}
+
+/// The estimate needs impulses of half as many sweeps. `atEnd`: takes those saved nearest to them.
+Criteria IslandStop::evaluate(bool atEnd)
+{
 	const Measures m = island_.measure();
-	Criteria criteria { errorsOf(m, island_.freeVelocity2(), island_.points(), settings()) };
+	Criteria       criteria;
+	criteria.residual = residualOf(m, island_.points(), settings());
 	// NaN without forces or an earlier evaluation: not met
 	criteria.meanForceChange = std::abs(m.normal - normal_) / m.normal;
 	normal_                  = m.normal;
-	const bool mayStop = criteria.met(settings()) || criteria.residual <= minSingleResidual;
-	if (!island_.mixedPrecision() || !mayStop) return criteria;
-	island_.endMixedPrecision();
-	normal_ = std::numeric_limits<double>::quiet_NaN();
-	return measure();
+	criteria.errorEstimate   = criteria.residual == 0
+	          ? 0
+	          : island_.shape().condition() * relativeRms(m.errorEnergy, m.impulseEnergy);
+	if (!atEnd && !settings().areMet(criteria.residual, 0)) return criteria;
+	// a smooth error changes only after impulses have crossed the island
+	if (sweeps() < island_.shape().diameter) return criteria;
+	const auto distance = [&](int slot) { return std::abs(2 * saved_[slot].sweeps - sweeps()); };
+	const int  slot     = distance(1) < distance(0) ? 1 : 0;
+	if (saved_[slot].sweeps > 0 && (atEnd || distance(slot) == 0))
+		criteria.errorEstimate = std::min(criteria.errorEstimate,
+		        estimate(m, criteria.residual, saved_[slot], slot));
+	return criteria;
+}
+
+double IslandStop::estimate(const Measures& m, double residual, const Saved& saved, int slot)
+{
+	const PackedIsland::Change change = island_.changeSinceSaved(slot);
+	return errorFromChange(
+	        { change.energy, m.impulseEnergy, m.errorEnergy, island_.changeEnergy() },
+	        saved.residual > 0 ? residual / saved.residual : 1);
+}
+
+void IslandStop::saveAtCheckpoint(double residual)
+{
+	int intervals = sweeps() / settings().checkInterval;
+	if (intervals == 0 || sweeps() % settings().checkInterval != 0) return;
+	while (intervals % 2 == 0)
+		intervals /= 2;
+	if (intervals != 1 && intervals != 3) return;
+	const int slot = intervals == 1 ? 0 : 1;
+	island_.saveImpulses(slot);
+	saved_[slot] = { sweeps(), residual };
 }
 
 IslandEnd IslandStop::end()
 {
-	const bool known = island_.hasSavedImpulses() && sweeps() == settings().maxIterations;
-	const double change2 = known ? island_.changeSinceSaved()
+	const bool   known   = probed_ && sweeps() == settings().maxIterations;
+	const double change2 = known ? island_.changeSinceSaved(probeSlot).square
 	                             : std::numeric_limits<double>::infinity();
 	const Sums sums { {}, island_.freeVelocity2(), island_.mass(), change2, island_.points() };
-	return { sums, sweeps(), stop_.criteria().meanForceChange, settings().velocityFloor };
+	const double meanForceChange = stop_.criteria().meanForceChange;
+	Criteria criteria = stop_.criteria().met(settings()) ? stop_.criteria() : evaluate(true);
+	criteria.meanForceChange = meanForceChange; // of the last evaluation
+	return { sums, sweeps(), criteria, settings(), island_.shape() };
 }
 
 static Report reportOf(const Sums& sums, const Settings& settings)
 {
 	const Measures& m = sums.measures;
 	Report          report;
-	static_cast<Errors&>(report) = errorsOf(m, sums.freeVelocity2, sums.points, settings);
-	report.dissipated            = m.dissipated;
-	report.freeSpeed = sums.points > 0 ? std::sqrt(sums.freeVelocity2 / sums.points) : 0;
-	report.mass      = sums.mass;
+	report.residual   = residualOf(m, sums.points, settings);
+	report.dissipated = m.dissipated;
+	report.freeSpeed  = sums.points > 0 ? std::sqrt(sums.freeVelocity2 / sums.points) : 0;
+	report.mass       = sums.mass;
 	// infinite without impulses
 	report.impulseGrowth = sums.change2 > 0 ? std::sqrt(sums.change2 / m.impulse2) : 0;
 	return report;
@@ -71,14 +131,15 @@ Report reportOf(const std::vector<IslandEnd>& ends, const Settings& settings)
 	std::vector<Report> islands;
 	islands.reserve(ends.size());
 	for (const IslandEnd& end : ends) {
-		Settings own      = settings;
-		own.velocityFloor = end.velocityFloor;
-		islands.push_back(reportOf(end.sums, own));
-		Report& island = islands.back();
-		island.converged = Criteria { island, end.meanForceChange }.met(settings)
-		        || island.meetsTolerances(settings);
-		island.iterations = end.sweeps;
-		island.work       = double(end.sweeps) * end.sums.points;
+		islands.push_back(reportOf(end.sums, settings));
+		Report& island       = islands.back();
+		island.shape         = end.shape;
+		island.errorEstimate = end.criteria.errorEstimate;
+		Criteria criteria    = end.criteria;
+		criteria.residual    = island.residual;
+		island.converged     = criteria.met(end.settings) || island.meets(end.settings);
+		island.iterations    = end.sweeps;
+		island.work          = double(end.sweeps) * end.sums.points;
 		whole.measures += end.sums.measures;
 		whole.freeVelocity2 += end.sums.freeVelocity2;
 		whole.mass += end.sums.mass;
@@ -86,6 +147,7 @@ Report reportOf(const std::vector<IslandEnd>& ends, const Settings& settings)
 		whole.points += end.sums.points;
 	}
 	Report report = reportOf(whole, settings);
+	if (islands.size() == 1) report.shape = islands[0].shape;
 	report.combine(std::move(islands));
 	return report;
 }

@@ -18,13 +18,15 @@ struct Sums {
 
 /// The state of an island after its last sweep.
 struct IslandEnd {
-	Sums   sums;
-	int    sweeps;
-	double meanForceChange; // of the last evaluation [-]
-	double velocityFloor;   // of its settings [-]
+	Sums        sums;
+	int         sweeps;
+	Criteria    criteria; // after the last sweep
+	Settings    settings; // of the island
+	IslandShape shape;
 };
 
-/// The stop test of an island.
+/// The stop test of an island, and its error estimate. The estimate compares the impulses with
+/// those of half as many sweeps. Impulses are saved every 2ⁱ and 3·2ⁱ intervals.
 class IslandStop {
 public:
 	IslandStop(PackedIsland& island, const Settings& settings)
@@ -34,22 +36,28 @@ public:
 
 	/// Call before each sweep. Returns true if the sweeps must stop. An island of one point is
 	/// measured after its first sweep, which may solve it.
-	bool mustStop()
-	{
-		return stop_.mustStop(
-		        stop_.sweeps() == 1 && island_.points() == 1, [this] { return measure(); });
-	}
+	bool            mustStop();
 	int             sweeps() const { return stop_.sweeps(); }
 	const Settings& settings() const { return stop_.settings(); } // of this island
 	IslandEnd       end(); // without `measures`; call it after the last sweep
 
 private:
+	struct Saved {
+		int    sweeps   = 0;
+		double residual = 0;
+	};
+
 	static Settings settingsFor(const PackedIsland&, const Settings&);
 
 	Criteria measure(); // if floats meet the criteria, measures again in doubles
+	Criteria evaluate(bool atEnd);
+	double   estimate(const Measures&, double residual, const Saved&, int slot);
+	void     saveAtCheckpoint(double residual);
 
 	PackedIsland& island_;
 	StopTest      stop_;
+	Saved         saved_[2];
+	bool          probed_ = false; // impulses were saved `probeSweeps` before the last sweep
 	double        normal_ = std::numeric_limits<double>::quiet_NaN(); // last Σ p_n, if any
 };
 

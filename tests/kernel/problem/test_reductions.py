@@ -69,7 +69,7 @@ def test_discs_without_rotations_are_equal_to_rounding(make):
     assert models[0]["rotations"] > 0 == models[1]["rotations"]
     rounding = 1e-9 * abs(full["velocity"]).max()  # after some hundred sweeps
     np.testing.assert_allclose(reduced["velocity"], full["velocity"], rtol=0, atol=rounding)
-    assert reduced["kinematic_error"] == pytest.approx(full["kinematic_error"], rel=1e-6)
+    assert reduced["error_estimate"] == pytest.approx(full["error_estimate"], rel=1e-6)
     # spins are scaled by the radius of gyration and back
     spins, expected = reduced["velocity"][:, 2], problem["free_velocity"][:, 2]
     np.testing.assert_allclose(spins, expected, rtol=4e-16, atol=0)
@@ -148,7 +148,7 @@ def test_fixed_bodies_and_islands_change_no_unique_velocity():
     several = discs(beside(pile(30, 8, 6), pile(31, 5, 9), grains_on_a_floor(25)))
     for whole, reduction in (discs(pile(8, 40, 5)), "fixed"), (several, "islands"):
         (full, reduced), models = full_and_reduced(
-            whole, reduction, tolerance=1e-11, max_iterations=100_000, kinematic_tolerance=np.inf)
+            whole, reduction, tolerance=1e-11, max_iterations=100_000, accuracy=np.inf)
         np.testing.assert_allclose(full["velocity"][:, :2], reduced["velocity"][:, :2], rtol=0,
                                    atol=1e-8)
         assert full["converged"] and reduced["converged"]
@@ -188,7 +188,7 @@ def test_heap_does_not_hide_the_error_of_a_grain():
     grain = grains_on_a_floor(1, points=2)
     grain["inverse_mass"] = grain["inverse_mass"] * 1e5
     whole = beside(heap, grain)
-    residual_alone = dict(tolerance=1e-4, kinematic_tolerance=np.inf)
+    residual_alone = dict(tolerance=1e-4, accuracy=np.inf)
     approach = lambda result: -result["relative_velocity"][-2:, 0].min()
     (missed, seen), _ = full_and_reduced(whole, "islands", **residual_alone)
     # the common residual fails on this scene

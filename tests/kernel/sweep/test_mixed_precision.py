@@ -46,7 +46,7 @@ def test_floats_alone_reach_their_rounding(problem, solver, residual):
 @pytest.mark.parametrize("solver", ["nesterov", "sor", "nlgs"])
 def test_rounding_does_not_accumulate(problem, solver):
     """Floats come as close to the solution as doubles, but for 4e-7."""
-    end = problem.solve("nesterov", tolerance=1e-10, kinematic_tolerance=np.inf,
+    end = problem.solve("nesterov", tolerance=1e-10, accuracy=np.inf,
                         max_iterations=60_000)
     assert end["converged"]
     noise = np.random.default_rng(0).normal(1, 1e-4, end["impulse"].shape)
@@ -65,20 +65,6 @@ def test_tolerances_are_met_in_doubles(problem, tolerance):
     if tolerance > 1e-10 or not problem["friction"].any():
         found = assert_solved(problem, tolerance=tolerance, max_iterations=100_000)
         assert found["residual"] <= tolerance
-
-
-@pytest.mark.parametrize("kinematic_tolerance", [0.3, 0.1, 0.03])
-def test_kinematic_error_is_that_of_doubles(problem, kinematic_tolerance):
-    """Floats stop at the first sweep whose whole velocities meet the tolerance."""
-    for start in (problem, warm(problem)):
-        end = start.solve("nesterov", tolerance=0.9, kinematic_tolerance=kinematic_tolerance,
-                          check_interval=1, max_iterations=5000)
-        assert end["kinematic_error"] <= kinematic_tolerance and end["converged"], start.name
-        if end["iterations"] > 0:
-            earlier = start.solve("nesterov", kinematic_tolerance=kinematic_tolerance,
-                                  max_iterations=end["iterations"] - 1, **UNCHECKED)
-            assert (earlier["kinematic_error"] > 0.999 * kinematic_tolerance
-                    or earlier["residual"] > 0.9), start.name
 
 
 def test_a_common_velocity_changes_no_accuracy():

@@ -36,7 +36,7 @@ def test_vice_closes_as_in_its_closed_form(solver, compliance):
     problem = problem_of("vice", [STILL, FREE, STILL], [[1, 0, 0], STILL, [-0.5, 0, 0]],
                          [[0, 1], [1, 2]], normal=(1, 0))
     found = problem.solve(
-        solver, tolerance=1e-8, yield_compliance=compliance, kinematic_tolerance=1e-6)
+        solver, tolerance=1e-8, yield_compliance=compliance, accuracy=1e-6)
     p = yielding_impulses([[1, -1], [-1, 1]], compliance, [1.0, 0.5])
     assert found["yielded"] and not found["converged"]
     np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-5)  # error 1e-8/√ε

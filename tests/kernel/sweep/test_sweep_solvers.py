@@ -70,8 +70,9 @@ def test_body_with_more_contacts_than_colours(sweeper):
 def test_stop_criteria():
     problem = pile(2, 30, 12)
     loose, tight = (problem.solve(tolerance=0.5, max_iterations=5000, check_interval=1,
-                                  kinematic_tolerance=kinematic) for kinematic in (np.inf, 1e-4))
-    assert loose["kinematic_error"] > 1e-4 >= tight["kinematic_error"] and tight["converged"]
+                                  accuracy=accuracy) for accuracy in (np.inf, 1e-3))
+    goal = 30 * 1e-3  # of a packing with friction
+    assert loose["error_estimate"] > goal >= tight["error_estimate"] and tight["converged"]
     assert tight["iterations"] > loose["iterations"]
     assert problem.solve(tolerance=0.5, min_iterations=77)["iterations"] >= 77
     mean_force = problem.solve(

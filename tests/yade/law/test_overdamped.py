@@ -52,7 +52,7 @@ def pressed_row(follows, steps, count=20, last=100_000, rate=-0.2):
     bodies, solver = flowing(rcr.wall("x", 0, material=material(0)), *discs,
                              rcr.mobile_wall("x", 0.2 * count, 1e-3, -1, material(0)),
                              flow=plane(rate, 0, 0, -rate))
-    solver.trackMeanStretch, solver.kinematicTolerance = follows, 1e-8
+    solver.trackMeanStretch, solver.accuracy = follows, 1e-8
     pressure = 1e4
     O.forces.setPermF(bodies[-1].id, (-pressure, 0, 0))
     for left in reversed(range(steps)):

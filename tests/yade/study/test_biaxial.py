@@ -313,7 +313,7 @@ def test_missed_tolerances_are_counted(packing):
     assert summary["missed_max"] >= summary["residual_max"] / test.solver.tolerance
 
     # forces meet the tolerance, velocities do not
-    test = load(tolerance=0.5, kinematicTolerance=1e-9, maxIterations=20, solver="nesterov")
+    test = load(tolerance=0.5, accuracy=1e-9, maxIterations=20, solver="nesterov")
     test.shear_record()
     assert test.progress["missed"] == test.steps_per_record
     assert test.progress["residual_max"] < 0.5 and test.progress["missed_max"] > 1

@@ -186,7 +186,9 @@ template <class Real> struct SweepKernels {
 	double (*sweepMomentum)(const View&, const Chunk&, double momentum, const Yielding&);
 	/// Sums for the stop criteria at the present impulses and velocities. Floats need `bias`, b_n
 	/// of the contact law in one column per point block: their own bias contains u_ref.
-	Measures (*measure)(const View&, const Chunk&, const ColumnOf<Real>* bias);
+	/// `leastResponse` of the energies: see Measures [1/kg].
+	Measures (*measure)(
+	        const View&, const Chunk&, const ColumnOf<Real>* bias, double leastResponse);
 	/// v_old ← v + β (v − v_old) for half records first … last − 1. The caller swaps both arrays.
 	void (*extrapolate)(const View&, int first, int last, double momentum);
 };

@@ -99,9 +99,12 @@ namespace {
 			return L::load(c.bias() + lane);
 	}
 
-	Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias)
+	Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias,
+	        double leastResponse)
 	{
-		Sum error2, impulse2, normal, kinematicError2, velocity2, stopping2, dissipated;
+		Sum error2, impulse2, normal, kinematicError2, stopping2, dissipated, errorEnergy,
+		        impulseEnergy;
+		const L mostScale = Real(std::min(1 / leastResponse, double(unlimited<Real>)));
 		const Column* const first = view.points + chunk.firstColumn;
 		forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
 			const Vector u = wholeVelocity(c, lane, v1, v2),
@@ -115,17 +118,20 @@ namespace {
 			const Vector q     = projectCone(
 			        { p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale }, mu);
 			const L pointError2 = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
+			const L pointImpulse2 = p.n * p.n + p.t * p.t;
+			const L response      = select(scale <= L(0.0), L(0.0), L(1.0) / scale);
+			const L energy        = select(scale <= mostScale, response, L(0.0));
 			error2.add(lane, pointError2);
-			impulse2.add(lane, p.n * p.n + p.t * p.t);
+			impulse2.add(lane, pointImpulse2);
 			normal.add(lane, p.n);
-			kinematicError2.add(
-			        lane, select(scale <= L(0.0), L(0.0), pointError2 / (scale * scale)));
-			velocity2.add(lane, speed * speed + u.t * u.t);
+			kinematicError2.add(lane, pointError2 * response * response);
+			errorEnergy.add(lane, pointError2 * energy);
+			impulseEnergy.add(lane, pointImpulse2 * energy);
 			stopping2.add(lane, stopping * stopping);
 			dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
 		});
 		return { error2.total(), impulse2.total(), normal.total(), kinematicError2.total(),
-			velocity2.total(), stopping2.total(), dissipated.total() };
+			stopping2.total(), dissipated.total(), errorEnergy.total(), impulseEnergy.total() };
 	}
 
 	void extrapolate(const PackedView& view, int first, int last, double momentum)

@@ -185,16 +185,22 @@ void Layout::cut(Island& island)
 	island.shared           = pairs > maxSerialIsland;
 	island.partitions.begin = island.partitions.end = int(sections_.size());
 	if (pairs <= maxOverflowIsland) return;
-	edges_.clear();
-	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
-		const PackedPair& pair = pairs_[byIsland_[k]];
-		if (packable(pair)) edges_.push_back(movingBodies(pair));
+	const auto list = [&](auto isEdge) {
+		edges_.clear();
+		for (int k = island.pairs.begin; k < island.pairs.end; ++k)
+			if (isEdge(pairs_[byIsland_[k]])) edges_.push_back(movingBodies(pairs_[byIsland_[k]]));
+	};
+	list([&](const PackedPair& pair) { return packable(pair); });
+	if (edges_.empty()) {
+		list([](const PackedPair&) { return true; });
+		island.shape.diameter = partitions_.measure(edges_);
+		return;
 	}
-	if (edges_.empty()) return;
 	const int count = island.shared ? std::clamp(pairs / (2 * partitionPairs) * 2, 2, maxPartitions)
 	                                : 1;
 	island.partitions.end = island.partitions.begin
 	        + partitions_.cut(edges_, count, island.partitions.begin);
+	island.shape.diameter = partitions_.levels();
 	sections_.resize(island.partitions.end);
 }
 
@@ -290,6 +296,7 @@ void Layout::chooseModels(Island& island)
 	const int all           = island.pairs.end - island.pairs.begin;
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
 		++count[int(pairs_[byIsland_[k]].required)];
+	island.shape.frictional = count[int(Model::frictional)] + count[int(Model::noLever)] > 0;
 	const bool small  = all <= maxOverflowIsland;
 	const auto many   = [&](int pairs) { return small || minModelShare * pairs >= all; };
 	const bool discs  = many(count[int(Model::noLever)]),

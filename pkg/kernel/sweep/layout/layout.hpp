@@ -18,6 +18,7 @@
 #pragma once
 
 #include "problem/contact_problem.hpp"
+#include "problem/error_estimate.hpp"
 #include "problem/reductions.hpp"
 #include "sweep/lane/packed_blocks.hpp"
 #include "sweep/layout/coloring.hpp"
@@ -64,7 +65,7 @@ struct Section {
 };
 
 struct Island {
-	std::int32_t points      = 0;
+	IslandShape  shape;
 	bool         shared      = false; // several threads sweep it
 	bool         halfRecords = false; // not small, and all its pairs are frictionless discs
 	Range        pairs;               // in Layout::byIsland

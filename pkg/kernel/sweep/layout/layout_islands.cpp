@@ -22,9 +22,15 @@ void Layout::findIslands()
 			island = int(islands_.size());
 			islands_.push_back({});
 		}
-		for (int one : { pair.body1, pair.body2 })
-			if (moves(one)) island_[one] = island;
-		islands_[island].points += pair.points;
+		IslandShape& shape = islands_[island].shape;
+		for (int one : { pair.body1, pair.body2 }) {
+			if (!moves(one)) continue;
+			shape.bodies += island_[one] == none;
+			island_[one] = island;
+		}
+		shape.pairs += moves(pair.body1) && moves(pair.body2);
+		shape.points += pair.points;
+		shape.diameter = shape.bodies; // of a row; `cut` measures it in larger islands
 	}
 }
 

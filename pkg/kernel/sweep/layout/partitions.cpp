@@ -75,6 +75,15 @@ void Partitions::searchAll()
 	}
 }
 
+int Partitions::measure(const std::vector<Edge>& edges)
+{
+	connect(edges);
+	searchAll();
+	for (const std::int32_t body : body_)
+		partition_[body] = none;
+	return levels();
+}
+
 int Partitions::cut(const std::vector<Edge>& edges, int count, int first)
 {
 	constexpr int minLevels = 2;

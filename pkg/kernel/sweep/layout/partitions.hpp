@@ -24,6 +24,11 @@ public:
 	/// Numbers them from `first` and returns how many there are. Islands must not share bodies.
 	int cut(const std::vector<Edge>& edges, int count, int first);
 
+	/// Number of levels of an island that is not cut.
+	int measure(const std::vector<Edge>& edges);
+	/// Number of levels of the last island.
+	int levels() const { return int(level_.size()); }
+
 	/// The partition of a body; none if the body has no edge.
 	std::int32_t of(int body) const { return partition_[body]; }
 

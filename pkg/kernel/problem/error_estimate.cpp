@@ -1,0 +1,64 @@
+#include "problem/error_estimate.hpp"
+
+#include "problem/residual.hpp"
+
+namespace rcr {
+
+constexpr double slowestRate  = 0.75; // of s: the change is at least a third of the error
+constexpr double velocityFit  = 0.7;  // factor of e_v
+constexpr double leastChange2 = 1e-4; // of ‖v − v_free‖_M² over ‖p‖_w²
+
+/// ‖v − v_free‖_M², at least that of bodies at rest.
+static double velocityScale2(double velocity, double impulse)
+{
+	return std::max(velocity, leastChange2 * impulse);
+}
+
+double errorFromChange(const IterateChange& c, double residualRatio)
+{
+	if (c.impulse == 0) return c.error == 0 ? 0 : unknownError;
+	const double rate   = std::min(std::sqrt(residualRatio), slowestRate);
+	const double left   = std::sqrt(c.impulseChange) * rate / (1 - rate);
+	const double forces = left / std::sqrt(c.impulse);
+	const double scale  = std::sqrt(velocityScale2(c.velocity, c.impulse));
+	return std::max(forces, velocityFit * std::sqrt(std::sqrt(c.error) * left) / scale);
+}
+
+/// Mean w_nn of the points [1/kg].
+static double meanResponse(const ContactProblem& problem)
+{
+	double sum = 0;
+	for (const ContactPoint& c : problem.points)
+		sum += delassus(problem, c).nn;
+	return problem.points.empty() ? 0 : sum / double(problem.points.size());
+}
+
+double distanceFrom(const ContactProblem& problem, const std::vector<LocalVector>& before)
+{
+	const double                least = leastResponseShare * meanResponse(problem);
+	std::vector<LocalVector>    change(before.size());
+	std::vector<PlanarVector>   dv(problem.inverseMass.size());
+	double                      change2 = 0, impulse2 = 0, velocity2 = 0, own2 = 0;
+	for (std::size_t k = 0; k < before.size(); ++k) {
+		change[k]      = problem.impulse[k] - before[k];
+		const double w = delassus(problem, problem.points[k]).nn;
+		if (w < least) continue;
+		change2 += w * square(change[k]);
+		impulse2 += w * square(problem.impulse[k]);
+	}
+	if (impulse2 == 0) return change2 == 0 ? 0 : unknownError;
+	addImpulses(problem, change, dv);
+	for (std::size_t i = 0; i < dv.size(); ++i) {
+		const InverseMass& m = problem.inverseMass[i];
+		if (m.translates() && 1 / m.mass() < least) continue;
+		const auto energy = [&](const PlanarVector& v) {
+			return (m.x > 0 ? v.x * v.x / m.x : 0) + (m.y > 0 ? v.y * v.y / m.y : 0)
+			        + (m.rotation > 0 ? v.rotation * v.rotation / m.rotation : 0);
+		};
+		velocity2 += energy(dv[i]);
+		own2 += energy(problem.velocity[i] - problem.freeVelocity[i]);
+	}
+	return std::sqrt(std::max(change2 / impulse2, velocity2 / velocityScale2(own2, impulse2)));
+}
+
+} // namespace rcr
