@@ -109,10 +109,15 @@ std::string StepMonitor::count(
 		throw std::runtime_error(
 		        "ContactDynamics: " + squeezeMessage(verdict, outcome, overlaps, driven));
 	}
-	if (!steps.count(outcome.missed, outcome.yielded, overlap, step.overdamped)) return {};
+	const bool intrudes = !step.intruding.none();
+	if (!steps.count(outcome.missed, outcome.yielded, overlap, step.overdamped, intrudes))
+		return {};
 	std::string warning = "step " + std::to_string(outcome.iteration) + ": " + steps.message();
 	if (overlap > rcr::StepCounts::reportedOverlap)
 		warning += " Deepest in this step: " + deepestPair(step, overlap) + ".";
+	if (intrudes)
+		warning += " On their paths in this step: "
+		        + validation::bodyNames({ step.intruding.body1, step.intruding.body2 }) + ".";
 	return warning;
 }
 

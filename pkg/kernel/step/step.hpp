@@ -197,6 +197,7 @@ struct Step {
 	// per body: position correction and separation [m, rad]; empty: none
 	std::vector<PlanarVector> displacement;
 	Vec2                      strain;       // of the cell, from the position correction [-]
+	BodyPair                  intruding;    // bodies that went too deep into each other on their paths
 
 	/// Point k of a contact as it was detected.
 	ManifoldPoint point(const StepContact& c, int k) const
