@@ -147,6 +147,26 @@ def points_of_sides():
     return table(["η", *observables.values()], lines)
 
 
+def meetings():
+    """Meetings with intrusions by elongation and path, from benchmarks/meetings.py."""
+    rows = measured("meetings")
+    shown = lambda row: f"{row['intruding']:.0f} of {row['meetings']:.0f}"
+    lines = []
+    for eta in dict.fromkeys(row["eta"] for row in rows):
+        of = sorted((row for row in rows if row["eta"] == eta), key=lambda row: row["path"])
+        at = {row["path"]: shown(row) for row in of}
+        lines.append([f"{eta:g}", f"{of[0]['path']:g} R", shown(of[0]),
+                      *(at[path] for path in (0.3, 1, 3))])
+    return table(["η", "bound", "at the bound", "0.3 R", "R", "3 R"], lines)
+
+
+def spring_energy():
+    """Relative error of the dissipated energy of springs, from benchmarks/spring_energy.py."""
+    rows = [[f"{row['share']:g}", *(f"{100 * row[name]:.2g} %" for name in ("bounce", "column"))]
+            for row in measured("spring-energy")]
+    return table(["dt / `critical_time_step()`", "a disc bounces", "a column collapses"], rows)
+
+
 def driven_scenes():
     """Largest values of each motion, from benchmarks/driven_scenes.py."""
     rows = measured("driven-scenes")
@@ -220,7 +240,8 @@ TABLES = {
     "size": lambda: ratios("f", "f-size"),
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
-    quasi_static, sloshing, step_threads, parallel, points_of_sides, driven_scenes)}
+    quasi_static, sloshing, step_threads, parallel, points_of_sides, driven_scenes, meetings,
+    spring_energy)}
 
 
 def updated(page):

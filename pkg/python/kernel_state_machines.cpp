@@ -46,9 +46,10 @@ void bindStateMachines(py::module_& m)
 	        .def_readonly("steps", &StepCounts::steps)
 	        .def_readonly("missed", &StepCounts::missed)
 	        .def_readonly("yielded", &StepCounts::yielded)
+	        .def_readonly("intruded", &StepCounts::intruded)
 	        .def_readonly("deepest", &StepCounts::deepest)
 	        .def("count", &StepCounts::count, "missed"_a, "yielded"_a, "overlap"_a,
-	                "removes_overlaps"_a = false,
+	                "removes_overlaps"_a = false, "intruded"_a = false,
 	                "Count a step. Returns true if a message is due.")
 	        .def("message", &StepCounts::message);
 	py::class_<StopTest>(m, "StopTest", "Stop criteria of sweeps; settings as in `solve`.")

@@ -45,7 +45,8 @@ class Frame:
         ``body1``, ``body2``, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 with an obstacle or fixed grain,
         ``points`` (C,) 1 or 2, ``position`` (C, 2) of the resultant [m], ``normal`` (C, 2),
         ``force`` (C, 2) [N/m], ``friction`` (C,) µ or NaN if unknown, ``arm1``, ``arm2`` (C, 2)
-        from the centre of mass of the body or its clump to the position, 0 for obstacles [m].
+        from the centre of mass of the body or its clump to the position, 0 for obstacles [m],
+        ``point_moments`` (C, 2, 2) Σ f ⊗ (x − position) over the contact points x [N].
     walls : dict of arrays
         ``id``, ``axis`` 0 or 1 of the normal, ``position`` along it [m].
     outlines : list of (id, kind, (k, 2) array)
@@ -199,18 +200,27 @@ class Frame:
                 "networks, profiles and stresses before you change it, or after a further step; in "
                 "an engine, after NewtonIntegrator")
 
+    def moments(self):
+        """Return Σ f ⊗ r of each contact for body 1 and for body 2, (C, 2, 2) each [N].
+
+        The sum is over the points of the contact, with the force f that the body exerts and the
+        arm r from its centre of mass. The moment for an obstacle has no meaning.
+        """
+        contacts = self.contacts
+        one, two = (np.einsum("ca,cb->cab", contacts["force"], contacts[arm])
+                    + contacts["point_moments"] for arm in ("arm1", "arm2"))
+        return one, -two
+
     def stress_tensors(self):
         """Return the mean stress in each grain, (N, 2, 2), compression positive [Pa].
 
-        σ = (1/A) Σ f ⊗ r over its contacts [Love, Weber], with the force f that the grain exerts
-        and the arm r from its centre. Weight and inertia do not enter. Multiplied by `areas` and
-        divided by the volume, the sum over all grains is `Network.stress`.
+        σ = (1/A) Σ f ⊗ r over its contact points [Love, Weber], with the force f that the grain
+        exerts and the arm r from its centre. Weight and inertia do not enter. Multiplied by `areas`
+        and divided by the volume, the sum over all grains is `Network.stress`.
         """
         self.check_unchanged()
-        moments = [np.einsum("ca,cb->cab", self.contacts["force"], self.contacts[arm])
-                   for arm in ("arm1", "arm2")]
         areas = self._clump_sums(self.areas())
-        return self._sums(moments[0], -moments[1]) / areas[:, None, None]
+        return self._sums(*self.moments()) / areas[:, None, None]
 
     def _sums(self, of_body1, of_body2):
         """Return the sums of values (C, …) of contacts over the contacts of each grain, (N, …)."""

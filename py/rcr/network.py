@@ -9,6 +9,8 @@ Conventions
   −2 bottom, −3 right, −4 top. Another obstacle has −5 minus its id in YADE.
 * A clump moves as one body: branch vectors join centres of mass of clumps, and the contacts of its
   members are counted together.
+* The stress of a grain sums over contact points: two points of a contact add to the moment f⊗r of
+  their resultant. Between two grains, this moment and its reaction add up to 0.
 * Stress and coordination count all contacts. All other observables count those between grains.
 * The ξ-network S(ξ) holds the contacts with f_n ≤ ξ ⟨f_n⟩. Its tensors are divided by the number
   of contacts of the whole network, so that tr F(ξ) = N(ξ)/N.
@@ -49,7 +51,8 @@ class Network:
         ``body1``, ``body2`` (C,) ids, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 obstacle, ``normal``
         (C, 2), ``branch`` (C, 2) [m], ``force`` (C, 2) [N/m], ``position`` (C, 2) point of
         application [m], ``points`` (C,) 1 or 2. Optional: ``friction`` (C,) µ or NaN if unknown,
-        by default the attribute.
+        by default the attribute; ``point_moments`` (C, 2, 2) Σ f⊗(x − position) over the points x
+        of the contact [N], by default 0.
     attributes : dict
         All are optional: ``volume`` area of the region [m²], ``friction`` between grains [-],
         ``cell`` (2, 2) edges of a periodic cell as columns [m], ``cell_velocity`` (2, 2) their
@@ -70,8 +73,10 @@ class Network:
             particles = dict(clump=clump, center=center) | particles
         if "body1" in contacts:
             friction = self.attributes.get("friction", math.nan)
-            friction = np.full(np.shape(contacts["body1"]), friction)
-            contacts = dict(friction=friction) | contacts
+            shape = np.shape(contacts["body1"])
+            optional = dict(friction=np.full(shape, friction),
+                            point_moments=np.zeros((*shape, 2, 2)))
+            contacts = optional | contacts
         self.particles = network_columns.checked("particles", particles)
         self.contacts = network_columns.checked("contacts", contacts)
         network_columns.check_meaning(self.particles, self.contacts)
@@ -121,7 +126,8 @@ class Network:
     def stress(self):
         """Return the stress σ = (1/V) Σ f⊗ℓ over all contacts [eq. sigma].
 
-        It is (2, 2), compression positive [Pa]. A ValueError reports a network without a volume.
+        It is (2, 2), compression positive [Pa]. At obstacles the sum is over contact points. A
+        ValueError reports a network without a volume.
         """
         if "volume" not in self.attributes:
             todo = "give the area of the region [m²]: rcr.contact_network(volume=…)"
@@ -129,8 +135,10 @@ class Network:
         return self._moments() / self.attributes["volume"]
 
     def _moments(self):
-        """Return Σ f⊗ℓ over all contacts, (2, 2) [N]."""
-        return np.einsum("ca,cb->ab", self.contacts["force"], self.contacts["branch"])
+        """Return Σ f⊗ℓ over all contacts, at obstacles over their points, (2, 2) [N]."""
+        at_obstacles = self.contacts["point_moments"][~self.between_particles].sum(axis=0)
+        pairs = np.einsum("ca,cb->ab", self.contacts["force"], self.contacts["branch"])
+        return pairs + at_obstacles
 
     def stress_axes(self):
         """Return the principal axes of the stress as columns, that of σ₁ first, (2, 2) [-]."""

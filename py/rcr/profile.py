@@ -185,13 +185,12 @@ class Profile:
         bearing, loaded = frame.normal_force() > 0, (contacts["force"] != 0).any(axis=1)
         free1, free2 = frame.free_ends()
         along = (np.arange(SAMPLES) + 0.5) / SAMPLES
-        for free, arm, sign in ((free1, "arm1", 1), (free2, "arm2", -1)):
+        for free, arm, moments in zip((free1, free2), ("arm1", "arm2"), frame.moments()):
             pick = loaded & free
-            arms, force = contacts[arm][pick], contacts["force"][pick]
+            arms = contacts[arm][pick]
             points = contacts["position"][pick][:, None] - along[:, None] * arms[:, None]
             place, _ = self._into_cell(frame, points)
-            moments = sign * np.einsum("ca,cb->cab", force, arms) / SAMPLES
-            moments = np.broadcast_to(moments[:, None], (*place.shape[:2], 2, 2))
+            moments = np.broadcast_to(moments[pick, None] / SAMPLES, (*place.shape[:2], 2, 2))
             self._deposit(place, moments=moments)
         inner = bearing & free1 & free2
         n = contacts["normal"][inner]

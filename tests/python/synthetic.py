@@ -45,12 +45,13 @@ def anisotropic(count, a_c, a_ln, a_lt, a_fn, a_ft, seed=0, axis=np.pi / 2):
     return network(theta, branch, np.column_stack([1 + a_fn * cos, a_ft * sin]))
 
 
-def random_network(count=500, seed=3):
+def random_network(count=500, seed=3, **columns):
     rng = np.random.default_rng(seed)
     force = np.column_stack([rng.exponential(1, count), np.zeros(count)])
     force[:, 1] = 0.5 * force[:, 0] * rng.uniform(-1, 1, count)
     return network(rng.uniform(0, TAU, count),
-                   np.column_stack([rng.uniform(0.5, 2, count), rng.normal(0, 0.3, count)]), force)
+                   np.column_stack([rng.uniform(0.5, 2, count), rng.normal(0, 0.3, count)]), force,
+                   **columns)
 
 
 def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5, a_c=0.2, a_fn=0.3,

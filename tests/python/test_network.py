@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rcr.frame import Frame
 from rcr.network import Network
 
 from common import refused
@@ -37,6 +38,21 @@ def test_stress_of_a_row_and_a_column():
     assert at_wall.fabric() == pytest.approx(np.diag([1.0, 0]), abs=1e-15)
     assert test.sin_phi() == pytest.approx(0.2, abs=1e-14)
     assert abs(test.stress_axes()[:, 0]) == pytest.approx([1, 0], abs=1e-14)
+
+
+def test_the_stress_sums_over_the_points_at_walls():
+    """Moments of the points enter the stress at walls and the stress of grains."""
+    moments = np.array([[[0.0, 0], [0, 0]], [[1, 2], [3, 4]]])
+    columns = dict(points=np.array([1, 2]), point_moments=moments)
+    inner = row_and_column(**columns)
+    at_wall = row_and_column(body2=np.array([1, -4]), type=np.array([0, 3]), **columns)
+    assert inner.stress() == pytest.approx(np.diag([0.6, 0.4]), abs=1e-15)
+    assert at_wall.stress() == pytest.approx(np.diag([0.6, 0.4]) + moments[1] / 10)
+    areas = Frame.of(inner).areas()
+    for test, signs in ((inner, (1, -1)), (at_wall, (1, 0))):
+        bare = row_and_column(**{name: test.contacts[name] for name in ("body2", "type")})
+        change = (test.grain_stresses() - bare.grain_stresses()) * areas[:, None, None]
+        assert change == pytest.approx(np.multiply.outer(signs, moments[1]))
 
 
 def test_a_network_without_contacts_has_no_axes():
@@ -135,8 +151,10 @@ def test_coordination_leaves_rattlers_out():
 
 
 def test_file_round_trip(tmp_path):
-    """Without the columns friction, clump, center: the attribute, single grains, positions."""
-    test = random_network()
+    """Files without the newer columns have the attribute, single grains, positions, no moments."""
+    moments = np.zeros((500, 2, 2))
+    moments[3] = [[0.1, 0.2], [0.3, 0.4]]
+    test = random_network(points=np.where(np.arange(500) == 3, 2, 1), point_moments=moments)
     path = tmp_path / "network-0.h5"
     test.save(path)
     again = Network.load(path)
@@ -146,10 +164,12 @@ def test_file_round_trip(tmp_path):
     assert again.attributes["volume"] == 10 and again.attributes["friction"] == 0.5
     assert [p.name for p in tmp_path.iterdir()] == ["network-0.h5"]
     with h5py.File(path, "r+") as file:
-        for name in ("contacts/friction", "particles/clump", "particles/center"):
+        for name in ("contacts/friction", "contacts/point_moments", "particles/clump",
+                     "particles/center"):
             del file[name]
     again = Network.load(path)
     assert (again.contacts["friction"] == 0.5).all() and (again.particles["clump"] == -1).all()
+    assert not again.contacts["point_moments"].any()
     assert np.array_equal(again.particles["center"], again.particles["position"])
     assert again.coordination() == test.coordination()
 
@@ -181,6 +201,8 @@ def test_file_round_trip(tmp_path):
     ("particles/R", lambda c: 0 * c, r"particles/R\[0\] = 0; expected > 0"),
     ("particles/R", lambda c: 2 * c, r"particles/R\[0\] = .*; expected half_length \+ cap_radius"),
     ("contacts/points", put(1, 7), r"contacts/points\[1\] = 7; expected 1 or 2"),
+    ("contacts/point_moments", put((2, 0, 1), 0.5), r"point_moments\[2, 0, 1\] = 0.5; expected 0 for a "
+     "contact of one point"),
     ("contacts/type", put(1, 3), r"contacts/type\[1\] = 3; expected 3 for an obstacle as body "
      r"2, and only there"),
     ("particles/R", lambda c: c[:1], r"particles/R has shape \(1,\); expected \(2,\)"),

@@ -41,7 +41,8 @@ def contacts(count, **columns):
     zeros, along_x = np.zeros((count, 2)), np.tile([1.0, 0], (count, 1))
     return dict(body1=np.arange(count), body2=np.arange(count) + 1, type=np.zeros(count, int),
                 points=np.ones(count, int), friction=np.full(count, 0.5), position=zeros,
-                normal=along_x, force=along_x, arm1=along_x, arm2=-along_x) | columns
+                normal=along_x, force=along_x, arm1=along_x, arm2=-along_x,
+                point_moments=np.zeros((count, 2, 2))) | columns
 
 
 def pressed(count, *forces, **columns):

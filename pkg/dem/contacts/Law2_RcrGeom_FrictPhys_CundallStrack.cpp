@@ -49,7 +49,7 @@ static std::string physError(const FrictPhys& phys)
 }
 
 constexpr double checkedOverlap = 0.02; // least overlap that is checked, over R₁ + R₂
-constexpr double deepFraction   = 0.5;  // least overlap that counts, over a cap radius
+constexpr double deepFraction   = 0.1;  // least overlap that counts, over a cap radius
 
 /// Half the smallest width of a grain; infinite for an obstacle.
 static double halfWidth(const Body& b)
@@ -166,8 +166,7 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::
 	if (work != 0) scene->energy->add(work, "driveWork", driveIx, false);
 }
 
-/// Counts contacts that overlap by more than half the radius of the thinner body and 0.02 (R₁ +
-/// R₂). The first one prints a warning.
+/// Counts contacts that overlap by more than a tenth of the smaller cap radius and 0.02 (R₁ + R₂). The first one prints a warning.
 void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(
         const RcrGeom& geom, const FrictPhys& phys, const Interaction& contact)
 {
@@ -182,11 +181,11 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(
 	if (before > 0) return;
 	LOG_WARN("step " << scene->iter << ": bodies #" << contact.getId1() << " and #"
 	                 << contact.getId2() << " overlap by " << overlap
-	                 << " m, more than half the radius of the thinner one, " << least
+	                 << " m, more than a tenth of the cap radius of the thinner one, " << least
 	                 << " m: springs of k_n = " << phys.kn
-	                 << " N/m are too soft for these forces, and bodies may pass through each "
-	                    "other. Set a larger FrictMat.young or slower "
-	                    "bodies. deepOverlapCount counts further cases.");
+	                 << " N/m are too soft for these forces. A second, deep point may appear and add "
+	                    "energy; bodies may pass through each other. Set a larger FrictMat.young or "
+	                    "slower bodies. deepOverlapCount counts further cases.");
 }
 
 } // namespace yade

@@ -40,7 +40,7 @@ public:
 		"Contact law of springs on the geometry of :yref:`RcrGeom`: per point a spring $k_n$, a dashpot, and a Coulomb slider with a spring "
 		"$k_s$. Stiffnesses come from :yref:`Ip2_FrictMat_FrictMat_FrictPhys`. ``rcr.critical_time_step()`` bounds the time step.",
 		((Real,damping,0,Attr::triggerPostLoad,"Fraction ζ of the critical damping [-]: dashpot $c=2\\zeta\\sqrt{k_n m_1m_2/(m_1+m_2)}$ along the normal; 0: none."))
-		((int,deepOverlapCount,0,Attr::readonly,"Contacts with deep overlaps, summed over steps: beyond half the radius of the thinner body and 0.02 (R₁ + R₂). The first one prints a warning."))
+		((int,deepOverlapCount,0,Attr::readonly,"Contacts with deep overlaps, summed over steps: beyond a tenth of the smaller cap radius and 0.02 (R₁ + R₂). The first one prints a warning."))
 		((int,elasticIx,-1,(Attr::hidden|Attr::noSave),"Index of elastPotential."))
 		((int,plasticIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip."))
 		((int,viscousIx,-1,(Attr::hidden|Attr::noSave),"Index of viscDissip."))

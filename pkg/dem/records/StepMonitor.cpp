@@ -62,9 +62,41 @@ static std::string squeezeMessage(rcr::JamDetector::Verdict verdict,
 	          "apart, or take a smaller O.dt from the start.";
 }
 
+/// Distance of two parallel walls, of body 2 from body 1 along the axis [m]. `end`: of the step.
+static double wallDistance(const rcr::Step& step, const rcr::BodyPair& walls, bool end)
+{
+	const bool alongX = step.bodies[walls.body1].shape.axis == 0;
+	const auto at = [&](int id) {
+		const rcr::PlanarVector v = end ? step.velocityToEnd(id) : rcr::PlanarVector {};
+		return alongX ? step.bodies[id].center.x + step.dt * v.x
+		              : step.bodies[id].center.y + step.dt * v.y;
+	};
+	return at(walls.body2) - at(walls.body1);
+}
+
+/// Throws std::runtime_error if a free wall crosses another one in the step.
+static void checkWalls(const rcr::Step& step, long iteration)
+{
+	for (const rcr::BodyPair& walls : step.wallPairs) {
+		const double before = wallDistance(step, walls, false);
+		const double after  = wallDistance(step, walls, true);
+		// at one place, walls that face each other have the grains between them
+		const int sense = step.bodies[walls.body1].shape.sense;
+		const bool face = sense != 0 && sense == -step.bodies[walls.body2].shape.sense;
+		const double side = before != 0 ? before : face ? sense : 0;
+		if (!(side * after < 0)) continue;
+		throw std::runtime_error("ContactDynamics: step " + std::to_string(iteration)
+		        + " would move " + validation::bodyNames({ walls.body1, walls.body2 })
+		        + ", two walls, through each other. Walls have no contacts with each other. Nothing "
+		          "has moved. Stop the mobile wall first (b.state.blockedDOFs = 'xyzXYZ', vel = 0), "
+		          "or give walls that may cross a Body.mask without a common bit.");
+	}
+}
+
 std::string StepMonitor::count(
         const rcr::Step& step, const StepOutcome& outcome, rcr::ThreadTeam& team)
 {
+	checkWalls(step, outcome.iteration);
 	// deepest at the beginning of the step, over R₁ + R₂; not between prescribed bodies
 	const double overlap = team.maximum(
 	        step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });
@@ -77,10 +109,15 @@ std::string StepMonitor::count(
 		throw std::runtime_error(
 		        "ContactDynamics: " + squeezeMessage(verdict, outcome, overlaps, driven));
 	}
-	if (!steps.count(outcome.missed, outcome.yielded, overlap, step.overdamped)) return {};
+	const bool intrudes = !step.intruding.none();
+	if (!steps.count(outcome.missed, outcome.yielded, overlap, step.overdamped, intrudes))
+		return {};
 	std::string warning = "step " + std::to_string(outcome.iteration) + ": " + steps.message();
 	if (overlap > rcr::StepCounts::reportedOverlap)
 		warning += " Deepest in this step: " + deepestPair(step, overlap) + ".";
+	if (intrudes)
+		warning += " On their paths in this step: "
+		        + validation::bodyNames({ step.intruding.body1, step.intruding.body2 }) + ".";
 	return warning;
 }
 

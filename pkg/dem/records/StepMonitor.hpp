@@ -33,6 +33,8 @@ public:
 		using boost::serialization::make_nvp;
 		archive& make_nvp("steps", steps.steps) & make_nvp("missed", steps.missed)
 		        & make_nvp("yielded", steps.yielded);
+		archive& make_nvp("intruded", steps.intruded)
+		        & make_nvp("warnedIntruded", steps.warnedIntruded);
 		archive& make_nvp("deepest", steps.deepest) & make_nvp("warnedYielded", steps.warnedYielded)
 		        & make_nvp("warnedDepth", steps.warnedDepth);
 		archive& make_nvp("jamNewMaxima", jam.newMaxima) & make_nvp("jamYielded", jam.yielded)

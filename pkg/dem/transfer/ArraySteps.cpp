@@ -139,8 +139,10 @@ std::string ArraySteps::bodiesReason(const Scene& scene, const rcr::Step& step)
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const rcr::StepBody& body  = step.bodies[id];
 		const bool           grain = body.shape.grain();
-		// gather rejects obstacles that a free Box would pass through
+		// gather rejects obstacles that a free Box or Facet would pass through
 		if (body.free && body.shape.kind == rcr::PlanarShape::box) return "a Box that can move";
+		if (body.free && body.shape.kind == rcr::PlanarShape::segment)
+			return "a Facet that can move";
 		const Body* b = (*scene.bodies)[id].get();
 		if (b && body.shape.kind == rcr::PlanarShape::none && b->shape && b->isBounded()
 		        && !dynamic_cast<const Wall*>(b->shape.get())) // parallel to the plane

@@ -49,6 +49,28 @@ namespace {
 				        + step_.bodies[id].radius;
 				step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, radius);
 			}
+			listWallPairs();
+		}
+
+		/// Lists parallel walls of which one is free along its normal.
+		void listWallPairs()
+		{
+			std::vector<int> walls;
+			for (std::size_t id = 0; id < step_.bodies.size(); ++id)
+				if (step_.bodies[id].shape.kind == rcr::PlanarShape::wall) walls.push_back(int(id));
+			const auto isFree = [&](int id) {
+				const rcr::InverseMass& inverse = step_.problem.inverseMass[id];
+				return (step_.bodies[id].shape.axis == 0 ? inverse.x : inverse.y) > 0;
+			};
+			step_.wallPairs.clear();
+			for (auto one = walls.begin(); one != walls.end(); ++one)
+				for (auto two = one + 1; two != walls.end(); ++two) {
+					const int id1 = *one, id2 = *two;
+					if (step_.bodies[id1].shape.axis == step_.bodies[id2].shape.axis
+					        && (isFree(id1) || isFree(id2))
+					        && validation::mayCollide(scene_, *engines_.collider, id1, id2))
+						step_.wallPairs.push_back({ id1, id2 });
+				}
 		}
 
 		/// Sets the terms of the mean field, and the flow from which overdamped bodies start.

@@ -30,24 +30,26 @@ inline void prefetchBody(const Body* later)
 	prefetch<Rcr>(later->shape.get());
 }
 
-/// Prefetches later interactions and their contacts in a loop over interactions at index k. Returns
-/// false near the end of the loop.
-inline bool prefetchContact(InteractionContainer& interactions, std::size_t k)
+/// Prefetches later interactions and their contacts in a loop over interactions at index k. No
+/// other thread may create contacts in the meantime.
+inline void prefetchContact(InteractionContainer& interactions, std::size_t k)
 {
-	if (k + 2 * prefetchAhead >= interactions.size()) return false;
+	if (k + 2 * prefetchAhead >= interactions.size()) return;
 	prefetch<Interaction>(interactions[k + 2 * prefetchAhead].get());
 	const Interaction& later = *interactions[k + prefetchAhead];
 	if (later.isReal()) {
 		prefetch<RcrGeom>(later.geom.get());
 		prefetch<CdPhys>(later.phys.get());
 	}
-	return true;
 }
 
+/// Prefetches later interactions and their bodies in YADE's parallel loop at index k. Other threads
+/// create contacts in this loop, so it reads neither geom nor phys of later interactions.
 inline void prefetchPair(const Scene& scene, std::size_t k)
 {
 	InteractionContainer& interactions = *scene.interactions;
-	if (!prefetchContact(interactions, k)) return;
+	if (k + 2 * prefetchAhead >= interactions.size()) return;
+	prefetch<Interaction>(interactions[k + 2 * prefetchAhead].get());
 	const BodyContainer& bodies = *scene.bodies;
 	const auto           both   = [&](std::size_t ahead, auto fetch) {
                 const Interaction& later = *interactions[k + ahead];

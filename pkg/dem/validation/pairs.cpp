@@ -13,16 +13,14 @@ namespace {
 	/// Properties of a body that decide which bodies it could collide with.
 	struct Partner {
 		const Body* body;
-		bool        isBoundary; // fixed, or a Wall or Facet; two of them do not collide
+		bool        isBoundary; // fixed, or a Wall; two of them do not collide
 	};
 
 	Partner partnerOf(const Body& b, const Scene& scene)
 	{
 		const Body& moved = b.isClumpMember() ? *(*scene.bodies)[b.clumpId] : b;
-		const bool  line  = !isGrain(b)
-		        && (dynamic_cast<const Wall*>(b.shape.get())
-		                || dynamic_cast<const Facet*>(b.shape.get()));
-		return { &b, line || moved.state->blockedDOFs == State::DOF_ALL };
+		const bool  wall  = !isGrain(b) && dynamic_cast<const Wall*>(b.shape.get());
+		return { &b, wall || moved.state->blockedDOFs == State::DOF_ALL };
 	}
 
 	/// Returns true if YADE allows a contact and the bodies are not both boundaries.

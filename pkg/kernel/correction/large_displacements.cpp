@@ -9,6 +9,9 @@ constexpr int    nearMissSamples = 8; // times at which contacts with restitutio
 constexpr double clearance       = 0.02;
 // its value if the point bore a force before the step, without restitution
 constexpr double loadedClearance = 0.5;
+// overlap that counts as an intrusion is 1 less this, over the smaller cap radius
+constexpr double closeToIntrusion = 0.02;
+constexpr int    mostAdvances     = 1000; // in time; turning needles in contact take most
 // a contact stays if its gap is below this share of the path, and below the slop
 constexpr double earlyArrival    = 0.01;
 
@@ -64,15 +67,43 @@ bool passedThrough(const Step& step, const StepContact& contact, Vec2 normalBefo
 	return true;
 }
 
-bool meetOnPaths(const Step& step, const StepContact& contact, Vec2 normalBefore)
+/// Cap radius of the thinner grain of a contact [m].
+static double thinnerCapRadius(const Step& step, const StepContact& c)
 {
-	for (int sample = 1; sample <= samples; ++sample) {
-		const double   time = step.dt * sample / samples;
-		const Manifold now  = solvedPointsAfter(step, contact, time);
-		if (now.deepest() > contact.slop() || passedThrough(step, contact, normalBefore, now, time))
-			return true;
+	const PlanarShape &one = step.bodies[c.body1].shape, &two = step.bodies[c.body2].shape;
+	return one.grain() ? std::min(one.halfWidth, two.halfWidth) : two.halfWidth;
+}
+
+bool intrudesOnPath(const Step& step, const StepContact& contact)
+{
+	const auto   velocityOf = [&](int id) { return step.problem.velocity[id]; };
+	const double allowed = thinnerCapRadius(step, contact), close = closeToIntrusion * allowed;
+	const PlanarVector v1 = velocityOf(contact.body1), v2 = velocityOf(contact.body2);
+	const Vec2         shift    = relativeShift(step, contact, v1, v2);
+	const double       rotation = rotationPath(step, contact, v1, v2);
+	// overlaps at the beginning of a step are small
+	if (norm(shift) + rotation < allowed - close) return false;
+	double share = 0; // of the step
+	for (int advance = 0; advance < mostAdvances; ++advance) {
+		const Manifold now
+		        = pointsAfter(step, contact, share * step.dt, velocityOf, infinity);
+		const ManifoldPoint& at
+		        = now.points[now.count == 2 && now.points[1].gap < now.points[0].gap];
+		const double left = at.gap + allowed; // until the overlap is as deep as allowed
+		if (left <= close) return share > 0;
+		// convex bodies stay apart along a fixed normal for at least this share of the step
+		share += left / (std::max(0.0, -dot(shift, at.normal)) + rotation);
+		if (!(share < 1)) return false;
 	}
-	return false;
+	return false; // a thin grain turns while it slides along another one
+}
+
+bool meetOnPaths(const Step& step, const StepContact& contact)
+{
+	for (int sample = 1; sample <= samples; ++sample)
+		if (solvedPointsAfter(step, contact, step.dt * sample / samples).deepest() > contact.slop())
+			return true;
+	return intrudesOnPath(step, contact);
 }
 
 /// Returns true if the point has had restitution from the beginning of the step.

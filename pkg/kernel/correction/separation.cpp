@@ -29,13 +29,24 @@ namespace {
 				if (!isLarge && !endsInside(c)) continue;
 				if (isLarge && c.count > 0
 				        && passedThrough(step_, c, step_.problem.points[c.first].normal,
-				                solvedPointsAfter(step_, c, step_.dt), step_.dt))
+				                solvedPointsAfter(step_, c, step_.dt), step_.dt)) {
+					step_.intruding = { c.body1, c.body2 };
 					return 1;
+				}
+				if (isLarge && step_.intruding.none() && intrudesOnPath(step_, c))
+					step_.intruding = { c.body1, c.body2 };
 				const double at = violation(c);
 				if (at > 0) enqueue(int(k));
 				deepest = std::max(deepest, at);
 			}
-			if (queue_.empty() || !displace) return deepest;
+			if (!queue_.empty() && displace) deepest = displaceBodies();
+			return step_.intruding.none() ? deepest : 1;
+		}
+
+	private:
+		/// Returns the deepest violation that is left [-].
+		double displaceBodies()
+		{
 			if (step_.displacement.empty()) step_.displacement.resize(step_.bodies.size());
 			for (int sweeps = mostSweeps; sweeps > 0 && !queue_.empty(); addReached()) {
 				indexContacts();
@@ -45,7 +56,6 @@ namespace {
 			return deepestViolation();
 		}
 
-	private:
 		Step&                         step_;
 		const ContactFilter&          allowsContact_;
 		std::vector<StepContact>      reached_; // contacts that the step lacks

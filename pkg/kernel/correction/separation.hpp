@@ -21,8 +21,9 @@
 namespace rcr {
 
 /// Adds δ to step.displacement if `displace` is true. Returns the deepest overlap at the end that
-/// exceeds 10 slops and the bound above, over R₁ + R₂ [-]. Returns 1, without displacements, if a
-/// body has passed through another one. Overlaps of two prescribed bodies do not count.
+/// exceeds 10 slops and the bound above, over R₁ + R₂ [-]. Overlaps of two prescribed bodies do not
+/// count. Sets step.intruding and returns 1 if bodies have intruded on their paths. If one has even
+/// passed through the other, there are no displacements.
 double separate(Step&, bool displace, const ContactFilter&);
 
 } // namespace rcr

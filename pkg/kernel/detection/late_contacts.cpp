@@ -135,8 +135,7 @@ namespace {
 	{
 		if (found.manifold.count == 0) return false;
 		const StepContact contact = newContact(step, found);
-		if (!found.known && hasLargeDisplacement(step, contact)
-		        && meetOnPaths(step, contact, found.manifold.points[0].normal))
+		if (!found.known && hasLargeDisplacement(step, contact) && meetOnPaths(step, contact))
 			return true;
 		const int body1 = found.body1, body2 = found.body2;
 		for (int k = 0; k < found.manifold.count; ++k) {

@@ -57,7 +57,8 @@ void Step::resizePoints(int points)
 	added.clear();
 	displacement.clear();
 	problem.yielded.assign(bodies.size(), false);
-	strain = {};
+	strain    = {};
+	intruding = {};
 }
 
 void Step::setPoints(const StepContact& c, const Manifold& manifold, const LocalVector* from)

@@ -159,6 +159,13 @@ struct PeriodicCell {
 	}
 };
 
+/// Two bodies, or none.
+struct BodyPair {
+	std::int32_t body1 = -1, body2 = -1;
+
+	bool none() const { return body1 < 0; }
+};
+
 /// Homogeneous flow with a velocity gradient [1/s].
 struct Flow {
 	double gradient[2][2] {};
@@ -178,6 +185,7 @@ struct Step {
 	PeriodicCell              cell;
 	std::vector<StepBody>     bodies;
 	std::vector<std::int32_t> members;      // clump members
+	std::vector<BodyPair>     wallPairs;    // parallel walls of which one is free along its normal
 	std::vector<StepContact>  contacts;     // sorted by body1, then body2
 	std::vector<Gap>          gap;          // per point
 	ContactProblem            problem;
@@ -189,6 +197,7 @@ struct Step {
 	// per body: position correction and separation [m, rad]; empty: none
 	std::vector<PlanarVector> displacement;
 	Vec2                      strain;       // of the cell, from the position correction [-]
+	BodyPair                  intruding;    // bodies that went too deep into each other on their paths
 
 	/// Point k of a contact as it was detected.
 	ManifoldPoint point(const StepContact& c, int k) const

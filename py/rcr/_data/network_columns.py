@@ -11,7 +11,7 @@ SHAPES = dict(
     particles=dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(),
                    velocity=(3,), clump=(), center=(2,)),
     contacts=dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,),
-                  points=(), friction=()),
+                  points=(), friction=(), point_moments=(2, 2)),
 )  # fmt: skip
 MOST = 10**8  # largest id; the analysis makes arrays by id
 INTEGERS = {"id", "body1", "body2", "type", "points", "clump"}
@@ -120,4 +120,6 @@ def _of_contacts(c, ids):
         ("type", (kind >= CAP_CAP) & (kind <= OBSTACLE), "0 to 3"),
         ("type", (kind == OBSTACLE) == (two < 0),
          f"{OBSTACLE} for an obstacle as body 2, and only there"),
-        ("points", np.isin(c["points"], (1, 2)), "1 or 2")]
+        ("points", np.isin(c["points"], (1, 2)), "1 or 2"),
+        ("point_moments", (c["point_moments"] == 0) | (c["points"] == 2)[:, None, None],
+         "0 for a contact of one point")]

@@ -19,7 +19,7 @@ _GRAINS = dict(
 )  # fmt: skip
 _CONTACTS = dict(
     body1=int, body2=int, type=int, points=int, position=(float, 2), normal=(float, 2),
-    force=(float, 2), friction=float, shift=(float, 2),
+    force=(float, 2), friction=float, point_moments=(float, (2, 2)), shift=(float, 2),
 )  # fmt: skip
 _WALLS = dict(id=int, axis=int, position=float)
 
@@ -159,6 +159,7 @@ def _contact(i):
         force = force + phys.shearForce
     normal, position = geom.normal, geom.contactPoint
     kind, points = (geom.type, geom.points) if ours else (CAP_CAP, 1)
+    moments = ((0.0, 0.0), (0.0, 0.0))
     if points == 0:
         return None
     if points == 2:
@@ -167,6 +168,19 @@ def _contact(i):
             position = (one * geom.position1 + two * geom.position2) / (one + two)
         if one <= 0 or two <= 0:
             kind, points = (CAP_SIDE if kind == SIDE_SIDE else kind), 1
+        else:
+            moments = _point_moments(geom, phys, position)
     vectors = tuple((vector[0], vector[1]) for vector in (position, normal, force))
     friction = phys.tangensOfFrictionAngle if isinstance(phys, FrictPhys) else math.nan
-    return i.id1, i.id2, kind, points, *vectors, friction
+    return i.id1, i.id2, kind, points, *vectors, friction, moments
+
+
+def _point_moments(geom, phys, position):
+    """Return Σ f ⊗ (x − position) over the two points x of a contact, (2, 2) [N]."""
+    xx = xy = yx = yy = 0.0
+    for (normal, tangential), n, x in ((phys.force1, geom.normal1, geom.position1),
+                                       (phys.force2, geom.normal2, geom.position2)):
+        fx, fy = normal * n[0] - tangential * n[1], normal * n[1] + tangential * n[0]
+        dx, dy = x[0] - position[0], x[1] - position[1]
+        xx, xy, yx, yy = xx + fx * dx, xy + fx * dy, yx + fy * dx, yy + fy * dy
+    return (xx, xy), (yx, yy)

@@ -80,7 +80,7 @@ def _contacts(frame, codes):
     c = {name: column[bearing] for name, column in frame.contacts.items()}
     for one, two in (("body1", "body2"), ("arm1", "arm2")):
         c[one][turned], c[two][turned] = c[two][turned], c[one][turned]
-    for name in ("normal", "force"):
+    for name in ("normal", "force", "point_moments"):
         c[name][turned] *= -1
     arm1, arm2 = c.pop("arm1"), c.pop("arm2")
     c["branch"] = np.where(at_obstacle[:, None], arm1, arm1 - arm2)

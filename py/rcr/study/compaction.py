@@ -118,8 +118,12 @@ def _reduce_displacement(state):
     """
     window = PROTOCOL.unbalance_window
     earlier, state["unbalances"] = state["unbalances"][:window], state["unbalances"][window:]
-    if math.fsum(state["unbalances"]) <= PROTOCOL.unbalance_decrease * math.fsum(earlier):
-        return
+    if math.fsum(state["unbalances"]) > PROTOCOL.unbalance_decrease * math.fsum(earlier):
+        _shorten_steps(state)
+
+
+def _shorten_steps(state):
+    """Reduce the displacement over the unbalance, or restart it at its first value."""
     state["displacement"] *= PROTOCOL.displacement_reduction
     state["flip_displacement"] = state["displacement"]
     if state["displacement"] <= PROTOCOL.min_displacement_per_unbalance:
@@ -163,6 +167,10 @@ def compact(test, balance_tolerance):
         return False
     _relax(test)
     if solver.unbalancedForce >= balance_tolerance:
+        return False
+    # a few grains may still flip, and end their long, curved paths in others
+    if test.overlaps().max(initial=0) > PROTOCOL.largest_overlap:
+        _shorten_steps(test.progress["relaxation"])
         return False
     deviation = stress_deviation(test)
     if deviation < PROTOCOL.isotropy_tolerance:

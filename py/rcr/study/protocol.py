@@ -49,6 +49,7 @@ class Protocol:
     balance_tolerance: float = 2e-3  # unbalance at the end [-]: mean net force over contact force
     isotropy_tolerance: float = 1e-2  # deviation of wall stresses at the end [σ₀], at most
     creep_isotropy_tolerance: float = 3e-2  # the same of a balanced packing that creeps [σ₀]
+    largest_overlap: float = 1e-3  # of a balanced packing [d]; else its steps get shorter
     creep_intervals: int = 10  # balanced intervals after which a packing counts as creeping
     max_compaction_steps: int = 20_000  # steps after which the compaction fails
 

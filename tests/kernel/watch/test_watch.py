@@ -66,6 +66,11 @@ def of_overlaps(*overlaps, missed=False):
                  ".*0.05", id="overlaps that double"),
     pytest.param([(True, True, 0.0)] * 1000, [0, 9, 99, 999], ".*without a solution.*leave these "
                  "steps out of averages", id="each tenfold without a solution"),
+    pytest.param([(True, False, 0.0, False, True)] * 100, [0, 9, 99], "100 of 100 steps have not "
+                 "converged.*In 100 steps bodies moved into each other by more than a cap radius "
+                 "on their paths.*smaller O.dt.$", id="each tenfold with intrusions"),
+    pytest.param([(False, False, 0.0, False, True)], [0], "1 of 1 step has intrusions; the deepest "
+                 "overlap is 0 of .*In 1 step bodies", id="intrusion at tolerance 0"),
     pytest.param([(False, True, 0.01)], [0], "1 of 1 step has no solution; the deepest overlap is "
                  "0.01.*leave these steps out of averages", id="no solution at tolerance 0"),
 ])

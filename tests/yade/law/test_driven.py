@@ -237,6 +237,26 @@ def test_a_jam_that_is_tried_again_counts_no_step():
     assert solver().yieldedSteps == O.iter
 
 
+@pytest.mark.parametrize("speed", [0, 0.01])
+def test_only_a_squeeze_with_a_drive_ends_the_run(speed, capfd):
+    """A heavy body sinks into a column that one sweep a step does not support.
+
+    A wall that moves elsewhere is a drive (docs/law.md).
+    """
+    smooth = material(0)
+    column = [rcr.disc((0, 0.1 + 0.2 * k), 0.1, smooth) for k in range(20)]
+    heavy = rcr.disc((0, 4.1), 0.1, smooth)
+    heavy.state.mass *= 1e4
+    build(rcr.wall("y", 0, 1, material=smooth), *column, heavy,
+          rcr.wall("x", 5, material=smooth, velocity=speed), maxIterations=1, solver="nlgs",
+          tolerance=1e-8, dt=1e-3)
+    if speed:
+        refused("not converged: bodies", O.run, 200, True, error=RuntimeError)
+    else:
+        O.run(200, True)
+        assert solver().deepestOverlap > 0.05 and "have not converged" in capfd.readouterr().err
+
+
 @pytest.mark.parametrize("elastic", [False, True], ids=["torque", "impact"])
 def test_a_drive_elsewhere_does_not_let_turning_bodies_yield(elastic):
     """Pegs hold a rod against a torque, or reflect its spin; far away, a wall creeps."""

@@ -68,6 +68,23 @@ def test_the_regression_example_reports_differences(tmp_path):
     assert "expected" in yade(tmp_path, "-n", "-x", script, "--out", "out", code=1).stderr
 
 
+def test_references_that_the_regression_example_offers_hold(tmp_path):
+    """No tolerance is below that of the solver, and the scene agrees with what is printed."""
+    script = tmp_path / "spread.py"
+    text = (FOLDER / "regression.py").read_text()
+    offered = yade(tmp_path, "-n", "-x", FOLDER / "regression.py", "--spread", 6, "--out", "o").stdout
+    lines = re.findall(r'^    ".*": \(.*\),$', offered, re.M)
+    values = [(float(value), float(tolerance)) for value, tolerance
+              in re.findall(r"\((\S+), (\S+)\),$", offered, re.M)]
+    assert len(values) == len(lines) == 5
+    assert all(tolerance >= 1e-4 * abs(value) for value, tolerance in values), offered
+    pasted = re.sub(r"(?s)(REFERENCE = \{[^\n]*\n).*?(^\})", lambda m: m[1] + "\n".join(lines) + "\n}",
+                    text, flags=re.M)
+    assert pasted != text
+    script.write_text(pasted)
+    assert "all 5 values agree" in yade(tmp_path, "-n", "-x", script, "--out", "again").stdout
+
+
 def test_ctrl_c_ends_after_a_whole_step(tmp_path):
     """The script continues after `advance`; with a power of two as time step all sums are exact."""
     code = """

@@ -185,13 +185,23 @@ def test_springs_between_members_of_a_dissolved_clump():
     assert heights == pytest.approx([0.1, 0.3], abs=5e-3)
 
 
-def loose_box():
+def above_a_floor(make):
+    """An obstacle that falls beside discs at rest."""
     rough = material(0.5)
     build(rcr.wall("y", 0, 1, material=rough),
           *(rcr.disc((0.3 * k, 0.1), 0.1, rough) for k in range(8)), tolerance=1e-4)
-    O.bodies.append(yade.utils.box((-2, 0.3, 0), (0.5, 0.05, 0.1), fixed=True, material=rough))
+    O.bodies.append(make(rough))
     set_state(9, mass=5)
     release()
+
+
+def loose_box():
+    above_a_floor(lambda rough: yade.utils.box((-2, 0.3, 0), (0.5, 0.05, 0.1), fixed=True,
+                                               material=rough))
+
+
+def loose_segment():
+    above_a_floor(lambda rough: rcr.segment((-2.5, 0.3), (-1.5, 0.3), material=rough))
 
 
 def release():
@@ -227,9 +237,10 @@ def unite():
 @pytest.mark.parametrize("arrays", [True, False])
 @pytest.mark.parametrize("scene, shapes, last, lowest", [
     (loose_box, "Wall and Box", 223, 0.05), (released_box, "Wall and Box", 274, 0.05),
+    (loose_segment, "Wall and Facet", 247, 0.0),
     (lambda: discs_below_rods(unite, mask=2), "Sphere and Rcr", 51, 0.5),
     (lambda: discs_below_rods(release, fixed=True), "Sphere and Rcr", 400, 0.2),
-], ids=["loose Box", "released Box", "mask", "released rod"])
+], ids=["loose Box", "released Box", "loose segment", "mask", "released rod"])
 def test_pairs_without_ig2_are_refused_before_they_overlap(scene, shapes, last, lowest, arrays):
     """At the latest in this step, and above this height [m]."""
     scene()

@@ -411,6 +411,61 @@ def test_an_engine_before_the_integrator_gets_no_network(place):
         assert seen == pytest.approx((0.201, 0), abs=1e-12)
 
 
+def moments_of_points():
+    """Σ f⊗r over the contact points of each body in O.bodies, (bodies, 2, 2) [N] [Love, Weber]."""
+    moments = np.zeros((len(O.bodies), 2, 2))
+    centers = np.array([b.state.pos - O.dt * b.state.vel for b in O.bodies])[:, :2]
+    for i in O.interactions:
+        points = ((i.phys.force1, i.geom.normal1, i.geom.position1),
+                  (i.phys.force2, i.geom.normal2, i.geom.position2))
+        for force, normal, position in points[: i.geom.points]:
+            turn = np.array([[normal[0], -normal[1]], [normal[1], normal[0]]])
+            shift = np.array(O.cell.hSize * i.cellDist)[:2] if O.periodic else 0
+            for body, sign, image in ((i.id1, 1, 0), (i.id2, -1, shift)):
+                arm = np.array(position) - centers[body] - image
+                moments[body] += sign * np.outer(turn @ force, arm)
+    return moments
+
+
+def bricks(law):
+    """Three rough rods lie side on side on a floor; a force presses the uppermost one askew."""
+    rough, r = springy(), 0.1
+    rods = [stadium(0.1, r, (0.01 * k, r + 1.9999 * r * k), material=rough) for k in range(3)]
+    build(rcr.wall("y", 0, 1, material=rough), *rods, law=law, dt=1e-5)
+    O.forces.setPermF(3, (60, -200, 0))
+    O.run(100, True)
+
+
+def bricks_in_a_cell(law):
+    """Five rods that stick fill the height of a sheared periodic cell; one of them turns."""
+    rough = springy(friction=10)
+    rods = [stadium(0.1, 0.1, (0.01 * k, 0.1999 * k), material=rough) for k in range(5)]
+    weightless(*rods, cell=0.9995, law=law, dt=1e-5)
+    O.cell.velGrad = plane(0, 0.5, 0, 0)
+    set_state(2, angVel=(0, 0, 0.1))
+    O.run(100, True)
+
+
+@pytest.mark.parametrize("scene, law", [(bricks, "rigid"), (bricks, "smooth"),
+                                        (bricks_in_a_cell, "smooth")])
+def test_the_stress_of_a_grain_is_a_sum_over_contact_points(scene, law, tmp_path):
+    """Friction at both ends of a side adds to σ of the grain, also across a cell's edge."""
+    scene(law)
+    assert sum(i.phys.points == 2 and min(i.phys.force1[0], i.phys.force2[0]) > 0
+               for i in O.interactions) > 2
+    ids, found = rcr.measure.stress_tensors()
+    exact = moments_of_points()
+    areas = rcr.measure.areas()[1]
+    assert found * areas[:, None, None] == pytest.approx(exact[ids], rel=1e-6, abs=1e-6)
+    network = rcr.contact_network(volume=1.0)
+    network.save(tmp_path / "network.h5")
+    again = rcr.Network.load(tmp_path / "network.h5")
+    assert again.grain_stresses() == pytest.approx(found, rel=1e-9, abs=1e-9)
+    profile = rcr.Profile((1, 1)).compute(network)
+    for total in (network.stress(), again.stress(), profile.stress[0, 0] * profile.cell_area):
+        assert total == pytest.approx(exact[ids].sum(axis=0), rel=1e-6, abs=1e-6)
+
+
 def test_a_clump_counts_as_one(resting):
     """The stress of a clump is symmetric up to its acceleration; arms start at its own centre."""
     ids, network, *_ = resting

@@ -1,11 +1,11 @@
-"""WallStress: the wall and the direction of its motion."""
+"""Mobile walls: the direction of their motion under WallStress, and walls that meet."""
 
 import math
 
 import pytest
 import rcr
 import yade.utils
-from scenes import G, assert_refused, build, material, steps, weightless
+from scenes import G, assert_refused, build, material, solver, steps, weightless
 from yade import O
 
 
@@ -53,3 +53,37 @@ def test_faults_of_a_wall_under_stress(options, match):
     assert_refused(match)
     O.engines[3].dead = True
     O.step()
+
+
+def falling_wall(height, senses, masks=(1, 1), **options):
+    """A mobile wall falls from this height towards a fixed one, beside a grain at rest."""
+    m = material(0.5)
+    floor, lid = rcr.wall("y", 0, senses[0], material=m), rcr.mobile_wall("y", height, 2, senses[1])
+    floor.mask, lid.mask = masks
+    floor.mask |= 4
+    build(floor, lid, rcr.wall("y", -1, 1, material=m),
+          rcr.particle((0, -0.9), 0.1, 0.5, material=m, mask=4), dt=1e-3, tolerance=1e-4)
+
+
+@pytest.mark.parametrize("arrays", [True, False])
+@pytest.mark.parametrize("height, senses", [(0.3, (1, -1)), (0.3, (0, 0)), (0.3, (1, 1)),
+                                            (0.0, (1, -1))])
+def test_a_mobile_wall_does_not_fall_through_another_one(height, senses, arrays):
+    """It falls freely: the step before it crosses the wall, up to rounding, is the last one."""
+    falling_wall(height, senses)
+    solver().arrays = arrays
+    with pytest.raises(RuntimeError, match="would move bodies #0 and #1, two walls, through"):
+        O.run(400, True)
+    speed = 1.001 * math.sqrt(2 * G * height) + 2 * G * O.dt
+    assert 0 <= O.bodies[1].state.pos[1] <= speed * O.dt
+
+
+def test_walls_that_may_cross():
+    """Those of other masks, and driven ones."""
+    falling_wall(0.3, (1, -1), masks=(1, 2))
+    O.run(400, True)
+    assert O.bodies[1].state.pos[1] < -0.1
+    falling_wall(0.3, (1, -1))
+    O.bodies[1].state.blockedDOFs, O.bodies[1].state.vel = "xyzXYZ", (0, -1, 0)
+    O.run(400, True)
+    assert O.bodies[1].state.pos[1] == pytest.approx(-0.1)

@@ -189,6 +189,15 @@ def test_compaction_of_discs_finds_few_contact_points():
     assert max(reports(0, 1000, lambda test: test.solver.contactPoints)) < 3500
 
 
+def test_shear_starts_without_grains_that_flip_into_others():
+    """A grain flips to and fro in long steps, although the packing is balanced."""
+    test = Biaxial.prepare(0.7, 1000, seed=2)
+    test.compact()
+    assert test.overlaps().max() <= PROTOCOL.largest_overlap
+    test.shear(1)
+    assert test.solver.deepestOverlap < 2e-3
+
+
 def test_walls_stay_smooth_in_shear(packing):
     """A packing that has blown up ends the test."""
     test = packing.sheared(2)
