@@ -6,8 +6,8 @@ scripts/yade-rcr -n -x scripts/biaxial.py --eta 0.5 --particles 400 --strain 0.3
 
 It writes DIR/summary.json, DIR/history.csv, DIR/isotropic.h5, DIR/network-*.h5 and DIR/run.json
 with the parameters. A test that jams restarts from the older of DIR/state-*.yade.gz
-with a smaller time step. --resume continues from DIR/checkpoint.yade.gz. Ctrl-C ends the test
-after a checkpoint; after a kill the last checkpoint remains.
+with a smaller time step. --resume continues from DIR/checkpoint.yade.gz. Ctrl-C, SIGTERM and
+SIGHUP end the test after a checkpoint; after a SIGKILL the last checkpoint remains.
 """
 
 import glob
@@ -118,7 +118,7 @@ class Checkpoints:
         if self.stop.asked:
             test = self.test
             place = f"a strain of {test.strain:.4f}" if test.rows else "the compaction"
-            raise script.Stopped(f"stopped at {place}; continue with --resume")
+            raise script.Stopped(f"stopped at {place}; continue with --resume", self.stop.number)
 
 
 def compact(test, options, checkpoints):

@@ -40,8 +40,8 @@ def arguments():
 def main():
     options = arguments()
     problems.result_suffix(options.out)
-    solution = problems.solve(options.problem, options.solver, options.tolerance,
-                              options.max_iterations, options.warm)
+    solution = script.interruptible(problems.solve, options.problem, options.solver,
+                                    options.tolerance, options.max_iterations, options.warm)
     solution.save(options.out)
     print(json.dumps(solution.scalars(), allow_nan=False))
 

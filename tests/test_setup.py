@@ -92,7 +92,8 @@ class Machine:
 
     def root_tools(self, mmdebstrap=SMALL_ROOT):
         """The tools for a root file system, with `mmdebstrap` as the shell code of that command."""
-        for name, body in (("mmdebstrap", mmdebstrap), ("bwrap", "exit 0"), ("newuidmap", "exit 0"),
+        for name, body in (("mmdebstrap", mmdebstrap), ("bwrap", "echo 1"), ("nsenter", "exit 0"),
+                           ("newuidmap", "exit 0"),
                            ("apt-config", "echo 'Acquire::Check-Valid-Until \"false\";'")):
             self.command(name, body)
         if not (self.bin / "apt-get").exists():
@@ -362,7 +363,7 @@ def test_a_complete_root_is_kept_when_bubblewrap_was_removed(machine):
     machine.succeeds("ready")
     (machine.bin / "bwrap").unlink()
     machine.user("root", 0)
-    machine.command("apt-get", f'printf "#!/bin/sh\\n" >{machine.bin}/bwrap; chmod +x '
+    machine.command("apt-get", f'printf "#!/bin/sh\\necho 1\\n" >{machine.bin}/bwrap; chmod +x '
                     f'{machine.bin}/bwrap')
     machine.assert_sets_up("rootfs")
     assert len(machine.called("mmdebstrap")) == 1
@@ -420,11 +421,38 @@ def entered(machine):
     def enter(*arguments):
         machine.calls.write_text("")
         machine.succeeds(f"ready; enter {' '.join(arguments)}")
-        call = [line for line in machine.called("bwrap") if "--die-with-parent" in line][-1].split()
-        return call, {call[i + 2] for i, word in enumerate(call)
-                      if word in ("--bind", "--dev-bind")}
+        command = machine.called("nsenter")[-1].split()
+        binds = machine.called("bwrap")[-1].split()
+        return command, {binds[i + 2] for i, word in enumerate(binds)
+                         if word in ("--bind", "--dev-bind")}
 
     return enter
+
+
+def test_the_command_takes_the_place_of_the_script(machine):
+    """Its process is that of the script, and so are signals; no other process remains."""
+    machine.bare()
+    machine.succeeds("ready")
+    becomes = 'while [ "$1" != sh ]; do shift; done; exec "$@"'  # without another root
+    for name in "bwrap", "nsenter":
+        machine.command(name, becomes.replace("exec", "echo $$ >>holder; exec"))
+    code = """trap 'echo stopped; exit 3' TERM; echo $$; while :; do sleep 0.1; done"""
+    process = machine.start('ready; enter sh -c "$CODE"', CODE=code)
+    assert process.stdout.readline() == f"{process.pid}\n"
+    holder, own = map(int, (machine.path / "holder").read_text().split())
+    assert own == process.pid
+    wait_until(lambda: not os.path.exists(f"/proc/{holder}/root"))  # a zombie has none
+    process.terminate()
+    assert process.communicate(timeout=60)[0] == "stopped\n" and process.returncode == 3
+
+
+def test_an_error_of_bubblewrap_is_one_line(machine):
+    machine.bare()
+    machine.succeeds("ready")
+    machine.command("bwrap", "echo 'bwrap: no space' >&2; exit 1")
+    code, output, errors = machine.run("ready; enter true")
+    assert (code, output) == (1, "") and errors == (
+        "yade-rcr: bubblewrap cannot make the root file system: bwrap: no space\n")
 
 
 def test_every_directory_of_the_machine_is_there_but_usr_and_etc(entered):

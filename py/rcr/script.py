@@ -5,18 +5,21 @@
 
 import argparse
 import contextlib
+import math
 import os
 import pathlib
 import signal
 import sys
 import threading
+import time
 
 from rcr._data import files
 from rcr._data.files import atomic_path
 
-__all__ = ["Parser", "Stop", "Stopped", "at_least", "atomic_path", "folder", "integer", "new_file",
-           "number", "options", "run", "stoppable"]  # fmt: skip
-STOPPED = 130  # exit code after Ctrl-C, as in a shell
+__all__ = ["Interrupted", "Parser", "Stop", "Stopped", "at_least", "atomic_path", "folder",
+           "integer", "interruptible", "new_file", "number", "options", "run", "stoppable"]
+SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP  # Ctrl-C, a kill, a closed terminal
+REPEAT = 0.5  # longest time between one signal to a process and to its group [s]
 
 
 class _Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
@@ -129,55 +132,126 @@ def options(doc, **more):
 
 
 class Stop:
-    """`asked` is True after a first Ctrl-C or SIGTERM; see `stoppable`."""
+    """`asked` is True after a first signal, `number` is that of the signal; see `stoppable`."""
 
     asked = False
+    number = None
+
+
+class Stopped(Exception):
+    """The user has stopped the script by a signal. The message says how to continue."""
+
+    def __init__(self, message, number=signal.SIGINT):
+        super().__init__(message)
+        self.number = number
+
+
+class Interrupted(KeyboardInterrupt):
+    """The user has ended the script by the signal `number`."""
+
+    def __init__(self, number):
+        super().__init__()
+        self.number = number
 
 
 @contextlib.contextmanager
 def stoppable():
-    """Block that yields a `Stop`: a first Ctrl-C or SIGTERM sets its `asked`, a second one raises.
+    """Block that yields a `Stop`: a first signal sets its `asked`, a second one raises.
 
-    Signals reach the main thread alone. In other threads the block has no effect.
+    The signals are Ctrl-C, SIGTERM and SIGHUP. The second one raises `Interrupted`. Signals reach
+    the main thread alone. In other threads the block has no effect.
     """
     stop = Stop()
-    if threading.current_thread() is not threading.main_thread():
-        yield stop
-        return
 
-    def ask(number, frame):
+    def ask(number):
         if stop.asked:
-            raise KeyboardInterrupt
-        stop.asked = True
+            raise Interrupted(number)
+        stop.asked, stop.number = True, number
 
-    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with _handled(ask):
         yield stop
+
+
+@contextlib.contextmanager
+def _handled(handle):
+    """Block in which `handle(number)` gets the signals of the main thread."""
+    main = threading.current_thread() is threading.main_thread()
+    handler, before = signal_handler(handle), {}
+    for number in SIGNALS if main else ():
+        ignored = signal.getsignal(number) == signal.SIG_IGN
+        if not (ignored and number == signal.SIGHUP):  # nohup
+            before[number] = signal.signal(number, handler)
+    try:
+        yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
 
 
-class Stopped(Exception):
-    """The user has stopped the script. The message says how to continue."""
+def signal_handler(handle):
+    """Return a handler that calls `handle(number)`, except for a repeated signal.
+
+    `timeout`, SLURM and terminals send a signal to a process and to its group. A signal within
+    REPEAT seconds of another one counts as its repetition.
+    """
+
+    def handler(number, frame):
+        global _last_signal
+        now = time.monotonic()
+        if now - _last_signal > REPEAT:
+            _last_signal = now
+            handle(number)
+
+    return handler
+
+
+_last_signal = -math.inf  # time of the last one that was handled
+
+
+def interruptible(call, *arguments):
+    """Return `call(*arguments)`. A signal ends the script also while the call is in compiled code.
+
+    Python handles signals between two steps of the main thread, so another thread makes the call.
+    """
+    outcome = []
+
+    def target():
+        try:
+            outcome.append((call(*arguments), None))
+        except BaseException as error:
+            outcome.append((None, error))
+
+    thread = threading.Thread(target=target, daemon=True)
+    thread.start()
+    thread.join()
+    result, error = outcome[0]
+    if error:
+        raise error
+    return result
+
+
+def _interrupt(number):
+    raise Interrupted(number)
 
 
 def run(main):
     """Call `main`, print an error on one line and end the process with the exit code.
 
-    `main` returns the code (None: 0). The function avoids YADE's own exit, which loses the code.
+    `main` returns the code (None: 0). After Ctrl-C, SIGTERM or SIGHUP, the code is 128 plus the
+    number of the signal, as in a shell. The function avoids YADE's own exit, which loses the code.
     Within the program `yade` it returns after success, so that a session can continue.
     """
     code, message = 1, ""
     try:
-        code = main() or 0
+        with _handled(_interrupt):
+            code = main() or 0
     except SystemExit as end:
         if isinstance(end.code, (int, type(None))):  # argparse has printed its message
             code = end.code or 0
         else:
             message = end.code
     except (KeyboardInterrupt, Stopped) as error:
-        code, message = STOPPED, str(error) or "stopped"
+        code, message = 128 + getattr(error, "number", signal.SIGINT), str(error) or "stopped"
     except MemoryError:
         message = "the memory does not suffice; choose a smaller problem"
     except (ValueError, RuntimeError, OSError) as error:
@@ -187,7 +261,10 @@ def run(main):
     yade = sys.modules.get("yade")
     if code == 0 and getattr(getattr(yade, "runtime", None), "opts", None) is not None:
         return
+    if session := sys.modules.get("rcr._yade.session"):
+        session.end()
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError):  # a closed pipe
             stream.flush()
-    os._exit(code) if yade else sys.exit(code)
+    # After a signal, a thread of compiled code may still run.
+    os._exit(code) if yade or code > 128 else sys.exit(code)

@@ -7,6 +7,7 @@ Options after a lone -- go to Snakemake.
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -117,15 +118,23 @@ def strain_reached(folder):
         return 0.0
 
 
-def run_with_progress(words, folders, options):
-    """Run Snakemake; on a terminal, show the strain of all tests as a progress bar."""
+def run_with_progress(words, folders, options, stop):
+    """Run Snakemake; on a terminal, show the strain of all tests as a progress bar.
+
+    Snakemake and the tests have a session of their own. If the user stops the campaign, they get
+    the signal of Ctrl-C: Snakemake starts no further test, and the tests write their checkpoints.
+    """
     form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} < {remaining}"
-    process = subprocess.Popen(words, stdout=sys.stderr)
-    total = options.strain * len(folders)
+    process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=sys.stderr,
+                               start_new_session=True)
+    total, told = options.strain * len(folders), False
     with tqdm(total=total, desc="tests", disable=None, bar_format=form) as bar:
         while True:
+            if stop.asked and not told:
+                os.killpg(process.pid, signal.SIGINT)
+                told = True
             try:
-                return process.wait(timeout=1)
+                return process.wait(timeout=0.5)
             except subprocess.TimeoutExpired:
                 bar.update(sum(map(strain_reached, folders)) - bar.n)
 
@@ -163,14 +172,14 @@ def main():
                for eta in options.etas for seed in options.seeds]
     parameters = {name: getattr(options, name) for name in FREE}
     claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
-    with run_folder.claim_folder(out, "campaign", parameters, [], **claim) as begin:
+    claimed = run_folder.claim_folder(out, "campaign", parameters, [], **claim)
+    with script.stoppable() as stop, claimed as begin:
         begin()
         if not extra and not is_report_of(out, folders):
             (out / "report" / "analysis.json").unlink(missing_ok=True)
-        try:
-            failed = run_with_progress(command(options, config, extra), folders, options)
-        except KeyboardInterrupt:
-            raise script.Stopped(f"stopped; {CONTINUE}") from None
+        failed = run_with_progress(command(options, config, extra), folders, options, stop)
+    if stop.asked and failed:
+        raise script.Stopped(f"stopped; {CONTINUE}", stop.number)
     if failed:
         sys.exit(failure(out, folders))  # in full: script.run shortens the messages of exceptions
     log = out / "report" / "log"

@@ -213,6 +213,7 @@ CHECKS = {
     "large": (python("tests/endurance/large.py"), "2^20 separate grains, 10^5 grains in a pile"),
     "kills": (python("tests/endurance/kills.py", *"writes 1000 runs 50 campaigns 5".split()),
               "writes, runs and campaigns killed at random moments"),
+    "signals": (before, "SIGINT, SIGTERM, SIGHUP to the scripts, from outside of the environment"),
     "damage": (damage, "twenty times as many damaged files: each is read or rejected in one line"),
     "properties": (properties, "property tests, a thousand new inputs each"),
     "tidy": (before, "clang-tidy on the kernels"),

@@ -132,6 +132,8 @@ enter() {
     export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
     # $repo is for the package `benchmarks`.
     export PYTHONPATH="$repo/py:$("${way}_yade_python")${PYTHONPATH:+:$PYTHONPATH}:$repo"
+    # A shell without job control starts commands in the background with Ctrl-C ignored.
+    set -- env --default-signal=INT,QUIT "$@"
     if [ -n "${YADE_RCR_WAY:-}" ]; then
         exec "$@"
     fi

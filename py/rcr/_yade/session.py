@@ -2,13 +2,16 @@
 
 pkg/dem/validation holds the rules that reject a scene. This module adds warnings about suspicious
 scenes. Scenes without classes of rcr are not checked. `refuse_unknown_attributes` rejects
-misspelt attributes of these classes.
+misspelt attributes of these classes. The end of the process removes YADE's temporary folder.
 """
 
 import atexit
 import contextlib
 import difflib
 import functools
+import os
+import shutil
+import signal
 import threading
 import time
 import warnings
@@ -18,6 +21,7 @@ from yade.wrapper import InsertionSortCollider, Omega, TimeStepper
 
 from rcr import _plugin
 from rcr import scene as _scene
+from rcr import script
 from rcr._yade.time_step import critical_time_step
 
 DEFAULT_TIME_STEP = 1e-8  # YADE's O.dt of a new scene [s]
@@ -41,9 +45,37 @@ def guard():
     Omega.pause = _recorded()(_after_step()(Omega.pause))
     Omega.wait = _recorded()(_raising()(_after_step()(_interruptible(Omega.wait))))
     Omega.engines = Omega.engines.setter(_at_rest("O.engines = …")(Omega.engines.fset))
-    atexit.register(Omega().pause)  # a run must not outlive the objects that it reads
+    _end_cleanly()
     for name in ("load", "loadTmp", "reload"):
         setattr(Omega, name, _recorded()(getattr(Omega, name)))
+
+
+def _end_cleanly():
+    """Call `end` before the end of this process, also by SIGTERM and by SIGHUP."""
+    global _owner, _temporary
+    _owner, _temporary = os.getpid(), os.path.dirname(Omega().tmpFilename())
+    atexit.register(end)
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, script.signal_handler(_end_by))
+
+
+def end():
+    """Pause the run, which reads objects of this process; remove YADE's temporary folder."""
+    if os.getpid() == _owner:  # else a fork
+        Omega().pause()
+        shutil.rmtree(_temporary, ignore_errors=True)
+
+
+def _end_by(number):
+    """End the process by a signal, at once: it does not wait for the step."""
+    if os.getpid() == _owner:
+        shutil.rmtree(_temporary, ignore_errors=True)
+        os.write(2, f"yade-rcr: ended by {signal.Signals(number).name}\n".encode())
+    signal.signal(number, signal.SIG_DFL)
+    os.kill(os.getpid(), number)
 
 
 def _guarded(method):

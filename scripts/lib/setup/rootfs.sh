@@ -1,5 +1,5 @@
-# A Debian 13 root file system in the cache as the environment. mmdebstrap makes it, bubblewrap
-# enters it. Its files belong to the user, so `rm -rf` removes it.
+# A Debian 13 root file system in the cache as the environment. mmdebstrap makes it, bubblewrap and
+# nsenter enter it. Its files belong to the user, so `rm -rf` removes it.
 
 root=$cache/root-$(packages_id)
 release=trixie # codename of the Debian that is made
@@ -38,7 +38,7 @@ rootfs_possible() {
         why="$why --add-subgids 100000-165535 $(id -un)"
         return 1
     fi
-    bwrap --bind / / true 2>>"$log" ||
+    (rootfs_hold --bind / / && rootfs_join true) 2>>"$log" ||
         { why="this system forbids user namespaces, which bubblewrap needs" && return 1; }
 }
 
@@ -199,17 +199,33 @@ rootfs_enter() {
     done
     rootfs_bind_paths "$PWD" "$repo" "${HOME:-/}" "$@"
 
-    # Ctrl-C must reach the command, not bubblewrap, its parent.
-    trap '' INT QUIT
     touch -c "$root" # in use: see rootfs_finish
-    unset LD_LIBRARY_PATH LD_PRELOAD PYTHONHOME
-    exec bwrap --die-with-parent --ro-bind "$root/usr" /usr --ro-bind "$root/etc" /etc \
-        "${binds[@]}" --dev-bind /dev /dev \
-        --ro-bind-data 7 /etc/passwd --ro-bind-data 8 /etc/group \
-        --setenv PATH /usr/bin:/bin --setenv LC_ALL C.UTF-8 --chdir "$PWD" \
-        env --default-signal=INT,QUIT "$@" \
-        7< <(cat /etc/passwd; getent passwd "$(id -u)") \
+    rootfs_hold --ro-bind "$root/usr" /usr --ro-bind "$root/etc" /etc "${binds[@]}" \
+        --dev-bind /dev /dev --ro-bind-data 7 /etc/passwd --ro-bind-data 8 /etc/group \
+        --chdir "$PWD" 7< <(cat /etc/passwd; getent passwd "$(id -u)") \
         8< <(cat /etc/group; getent group "$(id -g)")
+    rootfs_join "$@"
+}
+
+# rootfs_hold OPTION …: makes a file system by the options of bubblewrap, sets `holder` to the id of
+# a process in it. The process ends after a minute or at `rootfs_join`; init is its parent.
+rootfs_hold() {
+    exec 6< <(bwrap "$@" sh -c 'echo $$; exec sleep 60' 2>&1 &)
+    wait $!
+    read -r holder <&6 && [[ $holder = +([0-9]) ]] ||
+        fail "bubblewrap cannot make the root file system: ${holder:-no answer}"
+    exec 6<&-
+}
+
+# rootfs_join COMMAND …: becomes COMMAND in the file system of `holder`. The process stays the same,
+# so that signals, the terminal and the exit status are those of COMMAND.
+rootfs_join() {
+    local nsenter options=(--target "$holder" --mount --wd)
+    nsenter=$(command -v nsenter)
+    [ "$(id -u)" = 0 ] || options+=(--user --preserve-credentials)
+    unset LD_LIBRARY_PATH LD_PRELOAD PYTHONHOME
+    export LC_ALL=C.UTF-8 PATH=/usr/bin:/bin
+    exec "$nsenter" "${options[@]}" sh -c 'kill -KILL "$0"; exec "$@"' "$holder" "$@"
 }
 
 # rootfs_bind_paths WORD …: adds files under /usr and /etc that the words name to `binds`

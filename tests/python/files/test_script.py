@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import signal
 import subprocess
 import sys
 import textwrap
@@ -82,19 +81,44 @@ def test_ends(body, code, errors):
 
 
 def test_a_first_signal_stops_later_a_second_one_at_once():
+    """A repetition within half a second, as `timeout` sends it, is no second one."""
     body = """
+import time
 with script.stoppable() as stop:
     print("in", flush=True)
-    while True:
-        if stop.asked:
-            print("asked", flush=True)
-            stop.asked = 2
+    while not stop.asked:
+        time.sleep(0.001)
+    print("asked", flush=True)
+    time.sleep(script.REPEAT)
+    print("ready", flush=True)
+    time.sleep(100)
 """
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in script.SIGNALS:
         process = started(body)
         assert process.stdout.readline() == "in\n"
         process.send_signal(number)
         assert process.stdout.readline() == "asked\n"
         process.send_signal(number)
+        assert process.stdout.readline() == "ready\n"
+        process.send_signal(number)
         assert process.communicate(timeout=60)[1] == "x.py: stopped\n"
-        assert process.returncode == 130
+        assert process.returncode == 128 + number
+
+
+@pytest.mark.parametrize("number", script.SIGNALS)
+def test_a_signal_ends_a_script_in_one_line(number):
+    """Also while another thread makes the call."""
+    bodies = ("print('in', flush=True); import time; time.sleep(100)",
+              "print('in', flush=True); script.interruptible(__import__('time').sleep, 100)")
+    for body in bodies:
+        process = started(body)
+        assert process.stdout.readline() == "in\n"
+        process.send_signal(number)
+        assert process.communicate(timeout=60)[1] == "x.py: stopped\n"
+        assert process.returncode == 128 + number
+
+
+def test_a_call_in_another_thread_returns_its_result_or_raises():
+    assert script.interruptible(divmod, 7, 2) == (3, 1)
+    with pytest.raises(ZeroDivisionError):
+        script.interruptible(divmod, 7, 0)

@@ -6,9 +6,10 @@ import shutil
 import subprocess
 
 import pytest
+import signals
 from common import ended
 from forked import SCRIPTS
-from run_contents import campaign_contents, different, start_until_written
+from run_contents import campaign_contents, contents, different, start_until_written
 
 CAMPAIGN = f"{SCRIPTS}/campaign"
 SMALL = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0.04"]
@@ -105,6 +106,11 @@ def test_the_last_line_leaves_out_other_campaigns_of_the_folder(tmp_path):
         (tmp_path / name / "log").write_text("an earlier campaign")
     line = complaint(tmp_path, *SMALL, "--", "--unknown-option")
     assert line.startswith("campaign.py: not complete, see above; continue with")
+
+
+@needs_snakemake
+def test_a_signal_stops_it_and_it_resumes_to_the_same_bits(tmp_path):
+    signals.campaign_resumes(tmp_path, contents)
 
 
 @needs_environment
