@@ -21,15 +21,18 @@ from tqdm import tqdm
 
 from rcr import script
 from rcr._data import files, run_folder
+from rcr.study import progress
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
 from rcr.study.protocol import (DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_networks,
                                 check_parameters)
+from rcr.study.shear import share_done
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", NETWORKS]
 OUTPUT = ["strain", "networks", "include_yielded"]  # options that change no record
 RUN_SECONDS = 3.0  # aimed duration of a run of several records
+NOTE_SECONDS = 0.2  # least time between two notes of the progress
 CHECKPOINT_SECONDS = 60  # between checkpoints; at least 20 times that of writing one
 
 
@@ -86,9 +89,9 @@ def arguments():
 class Checkpoints:
     """Saves the test at intervals, and when the user ends the script."""
 
-    def __init__(self, test, folder, stop):
-        self.test, self.folder, self.stop = test, folder, stop
-        self.next = time.monotonic() + CHECKPOINT_SECONDS
+    def __init__(self, test, options, stop):
+        self.test, self.folder, self.end, self.stop = test, options.out, options.strain, stop
+        self.next, self.noted = time.monotonic() + CHECKPOINT_SECONDS, 0.0
 
     def save(self, state=False):
         """Write a checkpoint now; keep it as a `state` to which the test may go back."""
@@ -112,7 +115,13 @@ class Checkpoints:
         remove_later(self.folder, test.strain)
 
     def update(self):
-        """Write a checkpoint if one is due; end the script if the user asked for it."""
+        """Note the progress and write a checkpoint, if due; end the script if the user asked."""
+        if time.monotonic() > self.noted + NOTE_SECONDS:
+            self.noted, test = time.monotonic(), self.test
+            if test.progress["phase"] == "shear":
+                progress.write(self.folder, test.strain, share_done(test, self.end))
+            else:
+                progress.write(self.folder)
         if self.stop.asked or time.monotonic() > self.next:
             self.save()
         if self.stop.asked:
@@ -215,11 +224,14 @@ def main():
     with script.stoppable() as stop, folder as begin:
         test = load(options, parameters) if options.resume else Biaxial.prepare(**parameters)
         begin()
-        checkpoints = Checkpoints(test, options.out, stop)
-        if test.progress["phase"] != "shear":
-            compact(test, options, checkpoints)
-        shear(test, options, checkpoints)
-        write_summary(test, options)
+        checkpoints = Checkpoints(test, options, stop)
+        try:
+            if test.progress["phase"] != "shear":
+                compact(test, options, checkpoints)
+            shear(test, options, checkpoints)
+            write_summary(test, options)
+        finally:
+            progress.remove(options.out)
 
 
 script.run(main)

@@ -40,6 +40,20 @@ def arguments():
     return parser.parse_args()
 
 
+def shown_on(bar):
+    """Return a function that shows the next figure on a terminal, and each stage once elsewhere."""
+    shown = set()
+
+    def progress(name):
+        stage = name if name in ("analysis", "report") else "figures"
+        bar.set_description_str(stage if stage == name else f"{stage}, {name}")
+        if bar.disable and stage not in shown:
+            print(f"network.py: {stage} …", file=sys.stderr, flush=True)
+        shown.add(stage)
+
+    return progress
+
+
 def main():
     options = arguments()
     names = ("from_strain", "to_strain", "include_yielded")
@@ -59,7 +73,7 @@ def main():
     with run_folder.claim_folder(options.out, "network.py", parameters, MADE,
                               overwrite=options.overwrite) as begin:
         with tqdm(bar_format="{desc} …", leave=False, disable=None) as bar:
-            table = report.write(runs, options.out, bar.set_description_str, begin)
+            table = report.write(runs, options.out, shown_on(bar), begin)
     print(f"{os.path.join(options.out, 'report.html')}: {report.summary(table)}")
 
 

@@ -10,16 +10,17 @@ import shutil
 import signal
 import subprocess
 import sys
-
-from tqdm import tqdm
+import tempfile
 
 import campaign_runs
+from campaign_progress import Progress, Test, show
 from rcr import script
 from rcr._data import run_folder
 from rcr.study.protocol import check_networks
 
 HERE = pathlib.Path(__file__).resolve().parent
 CONTINUE = "continue with the same command"
+UNKNOWN = "not complete, see above"  # the reason is in the messages of Snakemake
 QUICK = dict(particles=300, etas=[[0, 0.4, 0.7]], strain=0.3, networks=6, out="out/quick")
 FREE = ("particles", "etas", "seeds", "strain", *campaign_runs.OPTIONAL)
 
@@ -110,33 +111,30 @@ def command(options, config, extra):
             *extra]
 
 
-def strain_reached(folder):
-    """Return the last strain in the history of a run; 0 if there is none."""
-    try:
-        return float((folder / "history.csv").read_text().splitlines()[-1].split(",")[2])
-    except (OSError, IndexError, ValueError):
-        return 0.0
-
-
-def run_with_progress(words, folders, options, stop):
-    """Run Snakemake; on a terminal, show the strain of all tests as a progress bar.
+def run_snakemake(words, progress, stop):
+    """Run Snakemake, and show the progress; return its exit code and its messages.
 
     Snakemake and the tests have a session of their own. If the user stops the campaign, they get
     the signal of Ctrl-C: Snakemake starts no further test, and the tests write their checkpoints.
+    Without `progress`, the messages go to stderr.
     """
-    form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} < {remaining}"
-    process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=sys.stderr,
-                               start_new_session=True)
-    total, told = options.strain * len(folders), False
-    with tqdm(total=total, desc="tests", disable=None, bar_format=form) as bar:
+    told = False
+    with tempfile.TemporaryFile("w+") as messages:
+        process = subprocess.Popen(words, stdin=subprocess.DEVNULL, start_new_session=True,
+                                   stdout=messages if progress else sys.stderr,
+                                   stderr=messages if progress else None)
         while True:
             if stop.asked and not told:
+                show("stopping: the tests write their checkpoints …")
                 os.killpg(process.pid, signal.SIGINT)
                 told = True
             try:
-                return process.wait(timeout=0.5)
+                code = process.wait(timeout=0.5)
+                messages.seek(0)
+                return code, messages.read()
             except subprocess.TimeoutExpired:
-                bar.update(sum(map(strain_reached, folders)) - bar.n)
+                if progress:
+                    progress.update()
 
 
 def last_line(path):
@@ -151,7 +149,15 @@ def failure(out, folders):
     logs = [folder / "log" for folder in missing if (folder / "log").exists()]
     reasons = "; ".join(f"{path.resolve()}: {last_line(path)}" for path in logs)
     todo = "; scripts/network.py analyses the tests that are complete"
-    return f"not complete{f': {reasons}{todo}' if reasons else ', see above'}; {CONTINUE}"
+    return f"{f'not complete: {reasons}{todo}' if reasons else UNKNOWN}; {CONTINUE}"
+
+
+def announce(tests, options, threads):
+    """Print what will run."""
+    left = sum(not test.is_complete for test in tests)
+    at_once = min(left, options.jobs // threads)
+    show(f"{len(tests)} tests of {options.particles} grains to a strain of {options.strain:g}, "
+         f"{len(tests) - left} complete; {at_once} at a time, then analysis, figures, report")
 
 
 def is_report_of(out, folders):
@@ -168,8 +174,10 @@ def main():
         todo = "install it (apt-get install snakemake) and run this command again"
         raise RuntimeError(f"the package snakemake is not installed; {todo}")
     out, config = pathlib.Path(options.out), configuration(options)
-    folders = [out / "runs" / campaign_runs.run_name(config, text(eta), seed)
-               for eta in options.etas for seed in options.seeds]
+    tests = [Test(f"η = {text(eta)}, seed {seed}",
+                  out / "runs" / campaign_runs.run_name(config, text(eta), seed), options.strain)
+             for eta in options.etas for seed in options.seeds]
+    folders = [test.folder for test in tests]
     parameters = {name: getattr(options, name) for name in FREE}
     claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
     claimed = run_folder.claim_folder(out, "campaign", parameters, [], **claim)
@@ -177,11 +185,20 @@ def main():
         begin()
         if not extra and not is_report_of(out, folders):
             (out / "report" / "analysis.json").unlink(missing_ok=True)
-        failed = run_with_progress(command(options, config, extra), folders, options, stop)
+        words = command(options, config, extra)
+        if extra:  # show what Snakemake says of them
+            failed, messages = run_snakemake(words, None, stop)
+        else:
+            announce(tests, options, config["threads"])
+            with Progress(tests, out / "report" / "log") as progress:
+                failed, messages = run_snakemake(words, progress, stop)
     if stop.asked and failed:
         raise script.Stopped(f"stopped; {CONTINUE}", stop.number)
     if failed:
-        sys.exit(failure(out, folders))  # in full: script.run shortens the messages of exceptions
+        reasons = failure(out, folders)
+        if reasons.startswith(UNKNOWN):
+            sys.stderr.write(messages)
+        sys.exit(reasons)  # in full: script.run shortens the messages of exceptions
     log = out / "report" / "log"
     if not {"-n", "--dry-run", "--dryrun"} & set(extra) and is_report_of(out, folders):
         print(out / last_line(log))  # else nothing ran

@@ -45,7 +45,7 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
     """Analyse runs; write analysis.json, report.html, table.md and all figures to a folder.
 
     Figures are PNG and PDF. No file is replaced before all files are complete. `progress` is called
-    with the name of the next figure, `begin` before the first file is replaced. The function
+    with "analysis", the name of each figure and "report", `begin` before a file is replaced. The function
     returns the table paper against measured, a list of `Finding`. Runs that cannot be analysed
     together raise a ValueError.
     """
@@ -66,6 +66,7 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
             picture = figures.save(maps.draw(key, network), stem)[0]
             analysis[key]["value"].setdefault("files", []).append(picture.name)
             pictures[key].append(picture)
+        progress("report")
         table = findings(analysis)
         (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
         (folder / "table.md").write_text(markdown(HEADER, table), encoding="utf-8")

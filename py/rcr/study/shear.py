@@ -72,13 +72,26 @@ def switch_to_springs(test, stiffness):
     test.solver = Springs()
 
 
-def is_approaching(test):
-    """Return whether the test has not reached the strain `approach`."""
-    return test.strain < test.parameters["approach"] - HALF_RECORD
+def is_approaching(test, strain=None):
+    """Return whether the test, or a strain, has not reached the strain `approach`."""
+    strain = test.strain if strain is None else strain
+    return strain < test.parameters["approach"] - HALF_RECORD
 
 
-def rate_and_step(test):
-    """Return the present I and dt/t₀ of the shear; `Biaxial.go_back` divides dt.
+def share_done(test, end):
+    """Return the share of the steps up to the strain `end` that the shear has made, estimated."""
+    smooth = O.dt / test.time_unit if test.parameters["law"] == "smooth" else None
+
+    def steps(first):
+        strains = np.linspace(first, end, 101)[:-1]
+        rates = [rate_and_step(test, strain) for strain in strains]
+        return sum((end - first) / 100 / (rate * (smooth or step)) for rate, step in rates)
+
+    return 1 - steps(test.strain) / steps(0.0) if test.strain < end else 1.0
+
+
+def rate_and_step(test, strain=None):
+    """Return I and dt/t₀ of the shear, now or at a strain; `Biaxial.go_back` divides dt.
 
     Beyond the strain `approach`, I falls exponentially with the strain to its final value, or to
     the bound of the sample's inertia.
@@ -86,17 +99,17 @@ def rate_and_step(test):
     given, step = test.parameters["inertial_number"], test.parameters["time_step"]
     quick = max(given, PROTOCOL.quick_inertial_number)
     shortest = min(step, PROTOCOL.quick_time_step)
-    if is_approaching(test):
+    if is_approaching(test, strain):
         return quick, shortest / test.progress["divisor"]
-    slow = min(given, largest_rate(test))
-    rate = slow * (quick / slow) ** (1 - _slowed(test))
+    slow = min(given, largest_rate(test, strain))
+    rate = slow * (quick / slow) ** (1 - _slowed(test, strain))
     step = min(max(step * given / rate, shortest), step)
     return rate, step / test.progress["divisor"]
 
 
-def _slowed(test):
+def _slowed(test, strain=None):
     """Return how far the rate has fallen beyond the strain `approach`, from 0 to 1."""
-    beyond = test.strain - test.parameters["approach"]
+    beyond = (test.strain if strain is None else strain) - test.parameters["approach"]
     return min(1, max(0, beyond) / PROTOCOL.slowing_strain) if test.parameters["approach"] else 1
 
 

@@ -25,9 +25,11 @@ rootfs_possible() {
     done
     missing=$(echo "$missing" | sed 's/bwrap/bubblewrap/; s/newuidmap/uidmap/')
     if [ -n "$missing" ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-        say "installing$missing with apt-get …"
+        local start=$SECONDS
+        say "installing$missing with apt-get (up to 1 min) …"
         { apt-get update; apt-get install -y --no-install-recommends $missing; } >>"$log" 2>&1 ||
             { why="apt-get cannot install$missing: check the network" && return 1; }
+        say "installing$missing took $((SECONDS - start)) s"
     elif [ -n "$missing" ]; then
         why="${why:+$why, or }the tools for a root file system are missing"
         why="$why (on Debian and Ubuntu: apt-get install$missing)"

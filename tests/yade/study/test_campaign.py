@@ -2,6 +2,8 @@
 
 import json
 import os
+import re
+import shlex
 import shutil
 import subprocess
 
@@ -54,11 +56,35 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
     assert not different(one, two) and any(".h5" in name for name in one)
 
 
+LINES = """\
+campaign.py: 3 tests of 60 grains to a strain of 0.02, 0 complete; . at a time, then analysis, .*
+campaign.py: η = .*, seed 1: complete after \\d+ s, q/p = 0.\\d+
+campaign.py: η = .*, seed 1: complete after \\d+ s, q/p = 0.\\d+
+campaign.py: η = .*, seed 1: complete after \\d+ s, q/p = 0.\\d+
+campaign.py: analysis: \\d+ s
+campaign.py: figures: \\d+ s
+campaign.py: report: \\d+ s
+"""
+
+
+@needs_snakemake
+def test_a_terminal_shows_each_test_that_runs(tmp_path):
+    """Snakemake prints nothing between the bars."""
+    command = shlex.join([CAMPAIGN, *SMALL, "--particles", "300", "--out", str(tmp_path / "out")])
+    shown = ended("script", "-qec", f"stty cols 90; {command}", "/dev/null").stdout
+    name = "η = 0.5, seed 2"
+    assert f"{name}, compaction … 00:0" in shown and "figures … 00:0" in shown
+    bar = rf"{name}: strain 0.0\d\d of 0.04 \|[█▏▎▍▌▋▊▉ ]{{24}}\| (\?|00:\d\d) left"
+    assert re.search(bar, shown)
+    assert f"campaign.py: {name}: complete after " in shown and "jobs" not in shown
+
+
 @needs_snakemake
 def test_quick_is_the_study_in_small(tmp_path):
     """Three elongations and a report whose verdicts are grey, since the tests are small."""
     done = ended(CAMPAIGN, "--quick", "--particles", "60", "--strain", "0.02", cwd=tmp_path)
     assert done.stdout.startswith("out/quick/report/report.html")
+    assert re.fullmatch(LINES, done.stderr), done.stderr
     names = {folder.name.partition("-eta-")[2] for folder in tmp_path.glob("out/quick/runs/*")}
     assert names == {"0-seed-1", "0.4-seed-1", "0.7-seed-1"}
     page = (tmp_path / "out/quick/report/report.html").read_text()

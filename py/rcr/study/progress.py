@@ -1,0 +1,34 @@
+"""Progress of a running biaxial test: a small file in its folder, which scripts/campaign reads.
+
+Needs Python alone.
+"""
+
+import contextlib
+import pathlib
+
+FILE = ".progress"
+
+
+def write(folder, strain=0.0, share=0.0):
+    """Write the strain and the share of the shear's steps that are made; 0 during the compaction.
+
+    A full disk is no error, since the progress is no result.
+    """
+    path = pathlib.Path(folder, FILE)
+    with contextlib.suppress(OSError):  # unlike files.write, it does not wait for the disk
+        path.with_suffix(".new").write_text(f"{strain:.6f} {share:.6f}\n")
+        path.with_suffix(".new").replace(path)
+
+
+def read(folder):
+    """Return the strain and the share of the shear's steps, or None if the test does not run."""
+    try:
+        strain, share = pathlib.Path(folder, FILE).read_text().split()
+        return float(strain), float(share)
+    except FileNotFoundError:
+        return None
+
+
+def remove(folder):
+    """Remove the file at the end of the test."""
+    pathlib.Path(folder, FILE).unlink(missing_ok=True)
