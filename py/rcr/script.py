@@ -256,13 +256,13 @@ def run(main):
         message = "the memory does not suffice; choose a smaller problem"
     except (ValueError, RuntimeError, OSError) as error:
         message = files.one_line(error)
-    if message:
-        print(f"{os.path.basename(sys.argv[0])}: {message}", file=sys.stderr)
     yade = sys.modules.get("yade")
     if code == 0 and getattr(getattr(yade, "runtime", None), "opts", None) is not None:
         return
     if session := sys.modules.get("rcr._yade.session"):
         session.end()
+    if message:
+        print(f"{os.path.basename(sys.argv[0])}: {message}", file=sys.stderr)
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError):  # a closed pipe
             stream.flush()

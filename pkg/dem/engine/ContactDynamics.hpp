@@ -48,6 +48,7 @@ public:
 	boost::python::list        takeObservations() { return observer_.takeIntervals(); }
 	boost::python::dict        modelDict() const { return get<&ContactDynamics::model_>().dict(); }
 	boost::python::dict        secondsDict() const { return times_.dict(); }
+	boost::python::dict        stepCounts() const;
 	/// Reads or writes an attribute that another thread may use.
 	template <auto Attribute> auto get() const -> std::decay_t<decltype(this->*Attribute)>
 	{
@@ -104,6 +105,7 @@ public:
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by stage, as a dict [s].")
 		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. Each entry of observations restarts these means. docs/solvers.md has an example.")
 		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
+		.def("_step_counts",&ContactDynamics::stepCounts,"Numbers of steps so far by outcome, deepest overlap, and largest error of missed steps, as a dict.")
 		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for ContactDynamics.save.")
 		.def("_change_since_step",&ContactDynamics::changeSinceStep,"Names what has changed since the last step, so that pos − O.dt vel is no longer a body's position at the beginning of that step. Before NewtonIntegrator has run, velocities differ too. Empty: no change, or O.iter is not that of the last step.")
 		.def("__dir__",&ContactDynamics::visibleNames)

@@ -24,6 +24,18 @@ void ContactDynamics::monitorStep()
 	if (!warning.empty()) LOG_WARN(warning);
 }
 
+py::dict ContactDynamics::stepCounts() const
+{
+	const StepMonitor now = get<&ContactDynamics::monitor>();
+	py::dict          counts;
+	counts["steps"]         = now.steps.steps;
+	counts["missed"]        = now.steps.missed;
+	counts["yielded"]       = now.steps.yielded;
+	counts["deepest"]       = now.steps.deepest;
+	counts["largest_error"] = now.largestError;
+	return counts;
+}
+
 void checkFinite(const rcr::Step& step, long iteration)
 {
 	const auto& velocity = step.problem.velocity;

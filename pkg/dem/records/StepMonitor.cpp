@@ -97,6 +97,7 @@ std::string StepMonitor::count(
         const rcr::Step& step, const StepOutcome& outcome, rcr::ThreadTeam& team)
 {
 	checkWalls(step, outcome.iteration);
+	largestError = std::max(largestError, outcome.missedError);
 	// deepest at the beginning of the step, over R₁ + R₂; not between prescribed bodies
 	const double overlap = team.maximum(
 	        step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });

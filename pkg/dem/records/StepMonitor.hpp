@@ -23,6 +23,7 @@ class StepMonitor {
 public:
 	rcr::StepCounts  steps;
 	rcr::JamDetector jam;
+	double           largestError = 0; // largest missedError, not saved
 
 	/// Counts the step. Returns a warning, or an empty text. Throws std::runtime_error if overlaps
 	/// grow from step to step while bodies are driven.

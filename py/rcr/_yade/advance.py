@@ -14,8 +14,8 @@ def advance(steps, label="steps", until=None, every=None):
     """Make steps as ``O.run(steps, wait=True)`` does, with a progress bar on a terminal.
 
     A first Ctrl-C, SIGTERM or SIGHUP ends the run after a whole step; the function then returns
-    False, so that a script can save its results: ``if not rcr.advance(500): print("stopped")``.
-    A second one raises KeyboardInterrupt. Signals reach the main thread alone. An engine can end the
+    False, so that a script can save its results: ``if not rcr.advance(500): print("early")``. A
+    second one raises KeyboardInterrupt. Signals reach the main thread alone. An engine can end the
     run by ``O.pause()``. A RuntimeError reports an active run, a ValueError a number that is not
     whole or below 1; all errors of ``O.run`` can occur.
 

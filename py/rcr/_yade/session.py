@@ -12,18 +12,22 @@ import functools
 import os
 import shutil
 import signal
+import sys
 import threading
 import time
 import warnings
 
 import numpy as np
+import yade.runtime
 from yade.wrapper import InsertionSortCollider, Omega, TimeStepper
 
 from rcr import _plugin
 from rcr import scene as _scene
 from rcr import script
+from rcr._yade import step_summary
 from rcr._yade.time_step import critical_time_step
 
+_ended = False  # `end` was called
 DEFAULT_TIME_STEP = 1e-8  # YADE's O.dt of a new scene [s]
 _advised = None  # number and mass of bodies, and time step at the last advice
 
@@ -44,10 +48,13 @@ def guard():
     Omega.step = _guarded(_recorded()(_raising()(Omega.step)))
     Omega.pause = _recorded()(_after_step()(Omega.pause))
     Omega.wait = _recorded()(_raising()(_after_step()(_interruptible(Omega.wait))))
-    Omega.engines = Omega.engines.setter(_at_rest("O.engines = …")(Omega.engines.fset))
+    Omega.engines = Omega.engines.setter(
+        _summed()(_at_rest("O.engines = …")(Omega.engines.fset)))
     _end_cleanly()
     for name in ("load", "loadTmp", "reload"):
-        setattr(Omega, name, _recorded()(getattr(Omega, name)))
+        setattr(Omega, name, _summed()(_recorded()(getattr(Omega, name))))
+    for name in ("reset", "resetThisScene", "switchScene"):
+        setattr(Omega, name, _summed()(getattr(Omega, name)))
 
 
 def _end_cleanly():
@@ -63,9 +70,17 @@ def _end_cleanly():
 
 
 def end():
-    """Pause the run, which reads objects of this process; remove YADE's temporary folder."""
-    if os.getpid() == _owner:  # else a fork
+    """Pause the run, which reads objects of this process; remove YADE's temporary folder.
+
+    A script that `yade -x` runs prints the summary of its steps.
+    """
+    global _ended
+    if os.getpid() == _owner and not _ended:  # else a fork
+        _ended = True
         Omega().pause()
+        if getattr(getattr(yade.runtime, "opts", None), "exitAfter", False):
+            if line := step_summary.text():
+                print(f"yade-rcr: {line}", file=sys.stderr)
         shutil.rmtree(_temporary, ignore_errors=True)
 
 
@@ -87,6 +102,7 @@ def _guarded(method):
             raise ValueError("rcr: " + error)
         _advise(omega)
         _plugin.take_error()
+        step_summary.begin_run()
         return method(omega, *arguments, **keywords)
 
     return run
@@ -200,6 +216,17 @@ def _recorded():
     finally:
         if not Omega().running:
             _plugin.record_end()
+            step_summary.end_run()
+
+
+@contextlib.contextmanager
+def _summed():
+    """Wrapper of what replaces the scene or its engines: adds their steps to the summary."""
+    step_summary.add()
+    try:
+        yield
+    finally:
+        step_summary.skip()
 
 
 @contextlib.contextmanager

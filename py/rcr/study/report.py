@@ -45,7 +45,7 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
     """Analyse runs; write analysis.json, report.html, table.md and all figures to a folder.
 
     Figures are PNG and PDF. No file is replaced before all files are complete. `progress` is called
-    with "analysis", the name of each figure and "report", `begin` before a file is replaced. The function
+    with "analysis", each figure and "report", `begin` before a file is replaced. The function
     returns the table paper against measured, a list of `Finding`. Runs that cannot be analysed
     together raise a ValueError.
     """
