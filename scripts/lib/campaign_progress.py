@@ -69,17 +69,20 @@ class Test:
         return f"{tqdm.format_interval(max(0, self.end - time.monotonic()))} left"
 
     def _check_end(self):
-        if self.stage is None or self.is_complete:
+        """Print the line of a test that has ended, perhaps between two updates."""
+        was_seen = self.stage is not None
+        if self.is_complete or not (was_seen or self.summary.exists()):
             return
         self.close()
         self.stage, seconds = None, time.monotonic() - self.start
+        after = f" after {seconds:.0f} s" if was_seen else ""
         self.is_complete = self.summary.exists()
         if self.is_complete:
             result = json.loads(self.summary.read_text())
             ratio = "unknown" if result["sin_phi"] is None else f"{result['sin_phi']:.3f}"
-            show(f"{self.name}: complete after {seconds:.0f} s, q/p = {ratio}")
+            show(f"{self.name}: complete{after}, q/p = {ratio}")
         else:
-            show(f"{self.name}: stopped after {seconds:.0f} s")
+            show(f"{self.name}: stopped{after}")
 
     def close(self):
         if self.bar is not None:
