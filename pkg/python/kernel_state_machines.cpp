@@ -68,7 +68,7 @@ void bindStateMachines(py::module_& m)
 	                        bool early) {
 		                return test.mustStop(early, [&] {
 			                const auto [residual, estimate, change] = measure();
-			                return Criteria { residual, estimate, change };
+			                return Criteria { residual, 0, estimate, change };
 		                });
 	                },
 	                "measure"_a, "early"_a = false,

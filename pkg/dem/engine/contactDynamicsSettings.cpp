@@ -8,6 +8,7 @@ namespace yade {
 
 constexpr int    mostThreads      = 1024; // more exhaust the memory of a process
 constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further pass
+constexpr int    sweepsAllowed    = 100;  // those that a further pass may take in any case
 constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
 // factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
 constexpr int    squeezedEffort   = 10;
@@ -72,7 +73,8 @@ rcr::Settings ContactDynamics::settings(const rcr::YieldBounds& bounds) const
 rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::YieldBounds& bounds)
 {
 	rcr::Settings s    = settings(bounds);
-	s.roundingVelocity = step_.roundingVelocity(workspace_.team());
+	s.roundingVelocity  = step_.roundingVelocity(workspace_.team());
+	if (!overdamped) s.velocityTolerance = rcr::driftVelocity(step_); // else no overlap remains
 	if (monitor.jam.active()) s.maxIterations *= squeezedEffort;
 	return s;
 }
@@ -83,7 +85,7 @@ rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::YieldBounds& bound
 rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome outcome) const
 {
 	if (tolerance >= fineTolerance)
-		s.maxIterations = std::max(s.maxIterations - iterations, sweepsOfNextPass);
+		s.maxIterations = std::max(s.maxIterations - iterations, sweepsAllowed);
 	s.minIterations = std::min(sweepsOfNextPass, s.maxIterations);
 	s.sameProblem   = outcome != PassOutcome::contactsAdded;
 	return s;

@@ -29,12 +29,13 @@ namespace {
 
 	/// The best impulses so far: those that meet the limits, or with the smallest residual.
 	struct Best {
-		double                   residual, errorEstimate;
+		double                   residual, velocityError, errorEstimate;
 		std::vector<LocalVector> impulse;
 
 		bool meets(const Settings& s) const
 		{
-			return s.areMet(residual, errorEstimate) || (s.tolerance == 0 && residual == 0);
+			return s.areMet(residual, velocityError, errorEstimate)
+			        || (s.tolerance == 0 && residual == 0);
 		}
 		void offer(const Best& other, const Settings& settings)
 		{
@@ -103,16 +104,25 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
         if (settings.mayYield()) before = problem.impulse;
 	};
 	Report     report   = swept;
+	bool       mayGrow   = swept.shape.slim();
 	const auto mustYield = [&] {
-		report.yielded = settings.mayYield()
-		        && (exceedsEnergyBound(problem) || isDivergent(problem, before));
+		// the first step of a slim island follows few sweeps: its impulses may grow a lot
+		const bool grows = !mayGrow && settings.mayYield() && isDivergent(problem, before);
+		mayGrow          = false;
+		report.yielded   = settings.mayYield() && (exceedsEnergyBound(problem) || grows);
 		return report.yielded;
 	};
 	report.iterations = 0, report.work = 0;
 	ProximalProblem                proximal(problem);
 	std::vector<ProximalParameter> rho(
-	        proximal.size(), ProximalParameter(10 * swept.shape.condition()));
-	Best best { residualOf(problem), report.errorEstimate, problem.impulse };
+	        proximal.size(), ProximalParameter(10 * conditionOf(problem, swept.shape)));
+	const auto iterate = [&](double estimate) -> Best {
+		const Measures m = measuresOf(problem);
+		return { residualFromSums(m), velocityError(m, problem.points.size()), estimate,
+			problem.impulse };
+	};
+	const double condition = conditionOf(problem, swept.shape);
+	Best         best      = iterate(report.errorEstimate);
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
 	while (!best.meets(settings) && left() > 0) {
 		remember();
@@ -123,11 +133,13 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 		if (mustYield()) return report.plusCostOf(swept);
 		// a step about a reference shortens its smoothest error by 1 + ρ/condition
 		updateVelocity(problem);
-		const double distance = distanceFrom(problem, reference),
-		             estimate = end.complete
-		        ? distance * (swept.shape.condition() / softest)
-		        : best.errorEstimate;
-		best.offer({ residualOf(problem), estimate, problem.impulse }, settings);
+		const double distance = distanceFrom(problem, reference, swept.shape),
+		             estimate = end.complete ? distance * (condition / softest) : unknownError;
+		Best now             = iterate(estimate);
+		// a smaller residual than that of the sweeps, and so hardly a larger error
+		if (now.residual <= swept.residual)
+			now.errorEstimate = std::min(now.errorEstimate, swept.errorEstimate);
+		best.offer(now, settings);
 		if (!end.complete && left() > 0) {
 			const int most    = std::min(repairSweeps + pivotSweeps * end.pivots, left());
 			Settings  again   = settings;
@@ -139,7 +151,8 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
-	report.residual      = residualOf(problem);
+	report.residual      = best.residual;
+	report.velocityError = best.velocityError;
 	report.errorEstimate = best.errorEstimate;
 	report.dissipated            = dissipatedEnergy(problem);
 	report.impulseGrowth = std::numeric_limits<double>::infinity(); // unknown after exact steps

@@ -24,18 +24,34 @@ double errorFromChange(const IterateChange& c, double residualRatio)
 	return std::max(forces, velocityFit * std::sqrt(std::sqrt(c.error) * left) / scale);
 }
 
-/// Mean w_nn of the points [1/kg].
-static double meanResponse(const ContactProblem& problem)
+NormWeights::NormWeights(const IslandShape& shape, double meanResponse, double largestMass)
 {
-	double sum = 0;
-	for (const ContactPoint& c : problem.points)
-		sum += delassus(problem, c).nn;
-	return problem.points.empty() ? 0 : sum / double(problem.points.size());
+	constexpr double heavy = 30; // mass of a contact or body over the mean
+	if (shape.weightsUp()) factor = std::max(1.0, largestMass * meanResponse);
+	else
+		leastResponse = meanResponse / heavy;
 }
 
-double distanceFrom(const ContactProblem& problem, const std::vector<LocalVector>& before)
+static NormWeights weightsOf(const ContactProblem& problem, const IslandShape& shape)
 {
-	const double                least = leastResponseShare * meanResponse(problem);
+	double response = 0, mass = 0;
+	for (const ContactPoint& c : problem.points)
+		response += delassus(problem, c).nn;
+	for (const InverseMass& m : problem.inverseMass)
+		mass = std::max(mass, m.mass());
+	return { shape, response / double(std::max<std::size_t>(problem.points.size(), 1)), mass };
+}
+
+double conditionOf(const ContactProblem& problem, const IslandShape& shape)
+{
+	return weightsOf(problem, shape).factor * shape.condition();
+}
+
+double distanceFrom(const ContactProblem& problem, const std::vector<LocalVector>& before,
+        const IslandShape& shape)
+{
+	const NormWeights           weights = weightsOf(problem, shape);
+	const double                least   = weights.leastResponse;
 	std::vector<LocalVector>    change(before.size());
 	std::vector<PlanarVector>   dv(problem.inverseMass.size());
 	double                      change2 = 0, impulse2 = 0, velocity2 = 0, own2 = 0;

@@ -20,8 +20,9 @@
 // (p − p*)ᵀ W (p − p*) ≤ Σ w_nn d · (p − p*), with a factor that fits the measurements. At least a
 // hundredth of ‖p‖_w replaces ‖v − v_free‖_M: bodies at rest between walls have no scale of their own.
 //
-// Contacts and bodies that weigh over 30 times the mean do not enter the norms. A heavy body would
-// hide the errors of all others.
+// Heavy bodies hide the errors of light ones in these norms, and slow the solvers. So both estimates
+// of a slim or small island are multiplied by the largest mass of a body times the mean w_nn. In
+// other islands, bodies and contacts whose mass is over 30 times the mean do not enter the norms.
 //
 // Neither velocities of other bodies nor contacts without a force are scales, so a common motion
 // or an idle neighbour changes nothing. docs/measurements/index.md compares the estimate with true
@@ -33,7 +34,6 @@
 
 namespace rcr {
 
-constexpr double leastResponseShare = 1.0 / 30; // of contacts in the norms, over the mean w_nn
 constexpr double unknownError = std::numeric_limits<double>::infinity();
 
 /// The contact graph of an island: its free bodies, joined by pairs.
@@ -51,6 +51,9 @@ struct IslandShape {
 		return bodies <= tiny || bodies <= widest * diameter
 		        || bodiesPerLoop * (pairs + 1 - bodies) <= bodies;
 	}
+	/// Returns true if light bodies are weighted up; else heavy ones are left out.
+	bool weightsUp() const { return slim() || points <= 250; }
+
 	/// Estimated error at which the island counts as solved [-]. Solutions of dense packings with
 	/// friction differ by 10 to 30 % among themselves.
 	double goal(double accuracy) const
@@ -70,11 +73,25 @@ struct IterateChange {
 	double velocity      = 0; // ‖v − v_free‖_M² [J/m]
 };
 
+/// Which contacts count in the norms, and how much their errors may be hidden.
+struct NormWeights {
+	double leastResponse = 0; // of contacts in the norms [1/kg]
+	double factor        = 1; // of the estimates [-]
+
+	NormWeights() = default;
+	/// From the mean w_nn of the points [1/kg] and the largest mass of a free body [kg].
+	NormWeights(const IslandShape&, double meanResponse, double largestMass);
+};
+
 /// The larger of e_f and e_v. `residualRatio`: r/r_half.
 double errorFromChange(const IterateChange&, double residualRatio);
 
+/// Condition of the island: `shape.condition()` times the factor of its norm weights [-].
+double conditionOf(const ContactProblem&, const IslandShape&);
+
 /// Distance of the impulses of the problem from `before`, in forces and velocities [-]: the larger
 /// of ‖Δp‖_w/‖p‖_w and ‖Δv‖_M/‖v − v_free‖_M.
-double distanceFrom(const ContactProblem&, const std::vector<LocalVector>& before);
+double distanceFrom(
+        const ContactProblem&, const std::vector<LocalVector>& before, const IslandShape&);
 
 } // namespace rcr

@@ -54,6 +54,12 @@ inline double residualFromSums(double error2, double impulse2, double stopping2)
 	return relativeRms(error2, std::max(impulse2, 1e-16 * stopping2));
 }
 
+/// RMS of w_nn |d| over a number of points [m/s].
+inline double velocityError(const Measures& m, double points)
+{
+	return points > 0 ? std::sqrt(m.kinematicError2 / points) : 0;
+}
+
 inline double residualFromSums(const Measures& m)
 {
 	return residualFromSums(m.error2, m.impulse2, m.stopping2);

@@ -24,6 +24,10 @@ struct Settings {
 	/// IslandShape::goal relaxes it for dense packings with friction. Infinity: no test.
 	double accuracy = std::numeric_limits<double>::infinity();
 
+	/// Largest RMS error w_nn |d| of the relative velocities of an island [m/s]. Errors that do not
+	/// change from step to step would add up to overlaps.
+	double velocityTolerance = std::numeric_limits<double>::infinity();
+
 	/// Rounding error of velocities [m/s]. An island whose RMS error w_nn |p − P_K(…)| is smaller
 	/// counts as solved, for example bodies that fly together.
 	double roundingVelocity = 0;
@@ -58,10 +62,12 @@ struct Settings {
 
 	bool mayYield() const { return yielding.compliance > 0 && !solutionExists; }
 
-	/// Returns true if residual and estimated error meet their limits. Tolerance 0 is never met.
-	bool areMet(double residual, double errorEstimate) const
+	/// Returns true if residual, velocity error and estimated error meet their limits. Tolerance 0 is
+	/// never met.
+	bool areMet(double residual, double velocityError, double errorEstimate) const
 	{
-		return tolerance > 0 && residual <= tolerance && errorEstimate <= accuracy;
+		return tolerance > 0 && residual <= tolerance && velocityError <= velocityTolerance
+		        && errorEstimate <= accuracy;
 	}
 	/// These settings with the goal of an island as accuracy.
 	Settings forGoalOf(const IslandShape& shape) const

@@ -21,7 +21,7 @@ constexpr int    sweepsFromZero = 100; // they replace impulses that would add e
 constexpr int    maxFineWork = 15000; // most exact iterations × points beyond the goal of an island
 constexpr int    slimSweeps  = 50; // of slim islands before exact steps, or half the diameter
 constexpr double slimAim = 0.1; // of the accuracy: errors of successive steps add up, and it is cheap
-constexpr int    moreIterations = 3; // exact ones of slim islands, per point and per maxIterations
+constexpr int    moreIterations = 3; // per point and maxIterations, for slim islands at rest
 // a rigid contact may exceed yieldImpulse by this many impulses |b_n|/w_nn of its rebound
 constexpr double mostRebounds = 3;
 
@@ -109,9 +109,10 @@ static bool mayExceedEnergyBound(const Report& report)
 }
 
 /// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
-/// impulses so large that both relative errors are small.
+/// impulses so large that both relative errors are small. `probes`: also looks for impulses that
+/// diverge.
 static bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings,
-        Workspace& workspace)
+        Workspace& workspace, bool probes = true)
 {
 	if (!settings.mayYield()) return false;
 	if (report.yielded || (mayExceedEnergyBound(report) && exceedsEnergyBound(problem)))
@@ -120,7 +121,8 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 		if (mustYieldAt(problem, k, settings)) return true;
 	if (report.converged || settings.tolerance == 0) return false;
 	if (hasYielded(problem)) return true;
-	return mayDiverge(report, settings) && probeDivergence(problem, settings, workspace);
+	return probes && mayDiverge(report, settings)
+	        && probeDivergence(problem, settings, workspace);
 }
 
 /// Returns true if `auto` runs exact steps as `exact` does.
@@ -181,7 +183,9 @@ static Report continueAuto(ContactProblem& problem, const Settings& settings, co
 	if (slim) {
 		Settings aim = settings;
 		aim.accuracy *= slimAim;
-		runExact(aim, left() + moreIterations * std::min(points, settings.maxIterations), 1);
+		const bool goesOn = settings.solutionExists && settings.maxIterations > slimSweeps;
+		const int  more   = goesOn ? moreIterations * settings.maxIterations : 0;
+		runExact(aim, left() + std::min(more, moreIterations * points), 1);
 	} else if (!small) {
 		runExact(goal, left(), 1);
 	} else {
@@ -232,8 +236,10 @@ static Report solveRigid(ContactProblem& problem, const std::string& solver,
 	}
 	const Settings steps       = remaining(settings, swept);
 	const bool     yieldsAgain = settings.mayYield() && hasYielded(problem);
+	const bool probes = !swept.shape.slim(); // few sweeps of slim islands are far from the solution
 	if (yieldsAgain
-	        || (steps.maxIterations > 0 && mustYield(swept, problem, settings, workspace))) {
+	        || (steps.maxIterations > 0
+	                && mustYield(swept, problem, settings, workspace, probes))) {
 		Report report  = swept; // exact steps would take long and find no solution
 		report.yielded = true;
 		return report;

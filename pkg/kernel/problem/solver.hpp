@@ -14,6 +14,7 @@ namespace rcr {
 
 struct Report {
 	double residual      = 0; // residual.hpp [-]
+	double velocityError = 0; // RMS of w_nn |d| [m/s]
 	double errorEstimate = 0; // error_estimate.hpp; infinity: unknown [-]
 	int    iterations    = 0; // of the island that needs most
 	/// Every island has met tolerance and accuracy or meanForceChange, or has the residual 0.
@@ -32,14 +33,15 @@ struct Report {
 	IslandShape         shape;   // of an island
 	std::vector<Report> islands; // of each island
 
-	/// Returns true if the residual meets its tolerance. Tolerance 0 is never met.
-	bool meetsResidual(const Settings& s) const { return s.areMet(residual, 0); }
+	/// Returns true if the residual and the velocity error meet their tolerances. Tolerance 0 is never met.
+	bool meetsResidual(const Settings& s) const { return s.areMet(residual, velocityError, 0); }
 
 	/// Returns true if residual and estimated error meet their limits. The residual 0 meets the
 	/// tolerance 0.
 	bool meets(const Settings& s) const
 	{
-		return s.areMet(residual, errorEstimate) || (s.tolerance == 0 && residual == 0);
+		return s.areMet(residual, velocityError, errorEstimate)
+		        || (s.tolerance == 0 && residual == 0);
 	}
 
 	/// This report with the iterations and the work of an earlier one added.

@@ -27,6 +27,15 @@ static double closingVelocity(const Step& step, const ContactPoint& c)
 	return u < -rounding * fastest ? u : 0;
 }
 
+double driftVelocity(const Step& step)
+{
+	constexpr double share = 3e-6;
+	double           size  = 0;
+	for (const StepContact& c : step.contacts)
+		size += c.size;
+	return step.contacts.empty() ? 0 : share * size / double(step.contacts.size()) / step.dt;
+}
+
 ContactPoint Step::contactPoint(const StepContact& contact, const ManifoldPoint& at) const
 {
 	ContactPoint c;

@@ -68,18 +68,27 @@ void PackedIsland::prepare()
 	forEachOverflowPoint(
 	        [&](OverflowPoint& c) { velocity2 += square(relativeVelocity(view_, c)); });
 	state_.freeVelocity2 = velocity2;
-	// the mean of w_nn
+	setNormWeights();
+}
+
+/// Sets the weights of the norms from the mean w_nn and the largest mass of a body.
+void PackedIsland::setNormWeights()
+{
 	forEachChunk([&](const Chunk& chunk, int k) {
 		packed_.sum_[k] = 0;
 		forEachPointBlock(chunk, [&](int column) {
-			const double* const scales = PointColumnsOf<double>(&packed_.point_[column]).inverseNn();
+			const double* const scale = PointColumnsOf<double>(&packed_.point_[column]).inverseNn();
 			for (int lane = 0; lane < blockWidth; ++lane)
-				packed_.sum_[k] += scales[lane] > 0 ? 1 / scales[lane] : 0;
+				packed_.sum_[k] += scale[lane] > 0 ? 1 / scale[lane] : 0;
 		});
 	});
-	double response = sum(packed_.sum_);
+	double response = sum(packed_.sum_), mass = 0;
 	forEachOverflowPoint([&](OverflowPoint& c) { response += c.ownNn; });
-	state_.leastResponse = leastResponseShare * response / island_.shape.points;
+	forEachRecords([&](const Range& records) {
+		for (int k = records.begin; k < records.end; ++k)
+			mass = std::max(mass, packed_.inverseMass_[k].mass());
+	});
+	state_.norm = { shape(), response / shape().points, mass };
 }
 
 void PackedIsland::recomputeVelocities()
@@ -180,12 +189,12 @@ Measures PackedIsland::measure(
         const View<Real>& view, const SweepKernels<Real>& kernels, const ColumnOf<Real>* bias)
 {
 	forEachChunk([&](const Chunk& chunk, int k) {
-		packed_.partial_[k] = kernels.measure(view, chunk, bias, state_.leastResponse);
+		packed_.partial_[k] = kernels.measure(view, chunk, bias, state_.norm.leastResponse);
 	});
 	Measures total = sum(packed_.partial_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		total += measuresOf(c.p, relativeVelocity(view, c), c.bias, c.friction, c.ownNn,
-		        state_.leastResponse);
+		        state_.norm.leastResponse);
 	});
 	return total;
 }

@@ -26,6 +26,8 @@ public:
 
 	/// Computes lever arms, Delassus coefficients and freeVelocity2. Call it while v = v_free.
 	void prepare();
+	/// Weights of the norms of error estimates.
+	const NormWeights& norm() const { return state_.norm; }
 	/// v ← v_free + M⁻¹Jᵀp, unless v has been recomputed from these impulses.
 	void recomputeVelocities();
 	/// Sweeps over the packed pairs by kernels, then over the pairs without a slot (overflow).
@@ -89,6 +91,7 @@ private:
 		state_.measures.reset();
 	}
 	void updateStretchRate();
+	void setNormWeights();
 	/// Calls visit(velocity of a record, what it carries) for the bodies of a stretching cell,
 	/// which has one island.
 	template <class Visit> void forEachCarried(Visit visit)

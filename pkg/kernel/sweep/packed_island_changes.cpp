@@ -37,7 +37,7 @@ PackedIsland::Change PackedIsland::changeSinceSaved(int slot)
 	const Column* const saved = packed_.savedPoint_[slot].data();
 	const auto          count = [&](Change& change, double square, double response) {
 		change.square += square;
-		if (response >= state_.leastResponse) change.energy += response * square;
+		if (response >= state_.norm.leastResponse) change.energy += response * square;
 	};
 	std::vector<Change> ofChunk(packed_.layout_.chunks().size());
 	forEachChunk([&](const Chunk& chunk, int number) {
@@ -76,7 +76,7 @@ double PackedIsland::changeEnergy() const
 				return v * v;
 			};
 			const double response = std::max(m.x, m.y);
-			if (response > 0 && response < state_.leastResponse) continue;
+			if (response > 0 && response < state_.norm.leastResponse) continue;
 			if (m.x > 0) energy += square(record::x) / m.x;
 			if (m.y > 0) energy += square(record::y) / m.y;
 			if (halves == 2 && m.rotation > 0) energy += square(record::spin) / m.rotation;

@@ -118,7 +118,7 @@ private:
 
 	struct IslandState {
 		Range                   overflow;                   // in overflow_
-		double                  leastResponse      = 0;     // of the energies in Measures [1/kg]
+		NormWeights             norm;                       // of the energies in Measures
 		double                  mass               = 0;     // of its bodies, not hinged ones [kg]
 		bool                    hasYielded         = false; // in an earlier pass of the step
 		double                  freeVelocity2      = 0;     // Σ |u|² without impulses [(m/s)²]

@@ -318,14 +318,14 @@ def test_missed_tolerances_are_counted(packing):
     assert summary["missed_fraction"] == test.progress["missed"] / steps > 0.9
     assert summary["unconverged_steps"] + summary["yielded_steps"] == test.progress["missed"]
     assert sum(row["unconverged_steps"] for row in test.rows) == summary["unconverged_steps"]
-    assert 1 < summary["missed_mean"] <= summary["missed_max"]
-    assert summary["missed_max"] >= summary["residual_max"] / test.solver.tolerance
+    # estimated errors, at most 1; two plain sweeps leave errors far beyond the goal of 0.3
+    assert 0.3 < summary["missed_mean"] <= summary["missed_max"] <= 1
 
     # forces meet the tolerance, velocities do not
     test = load(tolerance=0.5, accuracy=1e-9, maxIterations=20, solver="nesterov")
     test.shear_record()
     assert test.progress["missed"] == test.steps_per_record
-    assert test.progress["residual_max"] < 0.5 and test.progress["missed_max"] > 1
+    assert test.progress["residual_max"] < 0.5 and test.progress["missed_max"] > 30 * 1e-9
 
     summary = shear(load(maxIterations=100_000), 1).summary()
     assert {summary[name] for name in ("missed_fraction", "missed_mean", "missed_max",
