@@ -27,7 +27,7 @@ MODULES = {
     "rcr.study.protocol": "Constants of the biaxial test",
     "rcr.study.analysis": "Observables of the study",
     "rcr.study.observables": "Observables of one elongation",
-    "rcr.study.ensemble": "Networks of many runs",
+    "rcr.ensemble": "Networks of many runs",
     "rcr.study.figures": "Figures of the study",
     "rcr.study.figures.curves": "Curves of the figures",
     "rcr.study.figures.polar": "Polar diagrams of the figures",

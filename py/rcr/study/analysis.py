@@ -20,12 +20,12 @@ import numpy as np
 
 from rcr.frame import Frame
 from rcr.network import sin_phi
-from rcr.study import statistics
-from rcr.study.ensemble import Ensemble
+from rcr import statistics
+from rcr.ensemble import Ensemble
 from rcr.study.observables import MEASURES, Grids, measures
 from rcr.study.claims.statements import MAPS, STATEMENTS
 from rcr.study.runs import by_elongation
-from rcr.study.statistics import mean_of_finite, standard_error
+from rcr.statistics import mean_of_finite, standard_error
 
 WINDOW = 0.01  # strain over which stresses are averaged for the curve of sin φ
 SEEDS = 3  # number of seeds from which on errors are those over the seeds

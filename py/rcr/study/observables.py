@@ -1,8 +1,7 @@
 """Observables O3 to O18, without the map O9, of one elongation. Needs NumPy, not YADE.
 
-* Exponents are maximum-likelihood fits: α to the forces above the mean, β to those from
-  `POWER_RANGE` of it up to it. ``_fit_error`` is the error of the fit. ``_tenth`` is β
-  from a tenth of the mean on, which shows the effect of the range.
+* Exponents are those of `rcr.distributions.exponents`. ``_fit_error`` is the error of the fit.
+  ``_tenth`` is β fitted from a tenth of the mean on, which shows the effect of the range.
 * Angular functions ⟨·⟩(θ, ξ) are means over the contacts of S(ξ) with a normal near θ. The paper's
   forms are fitted by least squares. Tangential components are along n turned by −90°: then
   ⟨f_t⟩ = ⟨f_n⟩ a_ft sin 2(θ − θσ) with a_ft > 0.
@@ -15,13 +14,12 @@ import functools
 
 import numpy as np
 
+from rcr import distributions, statistics
+from rcr.distributions import over_mean
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
-from rcr.study import statistics
 
-POWER_RANGE = 0.01  # least force of the fit of β over the mean; the tolerance hides smaller forces
 SLACK = 0.01  # of the ranges of ℓ_r and ℓ/R_max, which overlaps and gaps exceed
 SAMPLE_STRIPS = 5  # vertical strips from wall to wall
-NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
 AXES = ("off_axis", "theta_sigma")  # angles with the period π
 
 
@@ -64,21 +62,13 @@ class Grids:
         return middles | dict(force=middle, strain=self.strain, xi=self.xi, xi_polar=self.xi_polar)
 
 
-def over_mean(force):
-    """Return f/⟨f⟩, or zeros if all forces are 0."""
-    mean = force.mean()
-    return force / mean if mean > 0 else force
-
-
 def force_distribution(force, edges, suffix):
     """Return the density of f/⟨f⟩, α above and β below the mean [eqs. strong_fn, strong_ft]."""
     force = over_mean(force)
-    alpha, alpha_error = statistics.exponential_rate(force)
-    beta, beta_error = statistics.power_exponent(force, POWER_RANGE)
-    tenth, _ = statistics.power_exponent(force, 0.1)
-    return {"pdf": statistics.density(force, edges), f"alpha_{suffix}": alpha,
-            f"alpha_{suffix}_fit_error": alpha_error, f"beta_{suffix}": beta,
-            f"beta_{suffix}_fit_error": beta_error, f"beta_{suffix}_tenth": tenth}
+    fit, tenth = distributions.exponents(force), distributions.exponents(force, 0.1)
+    return {"pdf": statistics.density(force, edges), f"alpha_{suffix}": fit.alpha,
+            f"alpha_{suffix}_fit_error": fit.alpha_error, f"beta_{suffix}": fit.beta,
+            f"beta_{suffix}_fit_error": fit.beta_error, f"beta_{suffix}_tenth": tenth.beta}
 
 
 def mean_mobilization(e, grids):
@@ -163,8 +153,8 @@ def contact_directions(e, grids):
 
 @functools.lru_cache(maxsize=1)
 def anisotropies(e, grids):
-    """Return {name: anisotropy (ξ,)} by `NAMES`."""
-    return dict(zip(NAMES, e.xi_networks.anisotropies(grids.xi)))
+    """Return {name: anisotropy (ξ,)} of `Anisotropies`."""
+    return e.xi_networks.anisotropies(grids.xi)._asdict()
 
 
 def vector_anisotropies(e, grids, vector):

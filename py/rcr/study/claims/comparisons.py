@@ -8,7 +8,7 @@ It raises `NotTested` where the data do not suffice.
 import numpy as np
 
 from rcr.study.observables import MEASURES
-from rcr.study.statistics import common_slope
+from rcr.statistics import common_slope
 
 SIGMAS = 2  # standard errors that a deviation may have by chance
 CLAIMS = []  # (observables, statement, criterion, function), in the order of registration
