@@ -11,7 +11,6 @@ import typing
 import numpy as np
 
 from rcr._data import checks
-from rcr._data.network_columns import rows
 
 LEAST_GRAINS = 3  # of a chain
 
@@ -25,28 +24,28 @@ class ForceChains(typing.NamedTuple):
     share: float  # of the grains or clumps with a contact that belong to a chain [-]
 
 
-def force_chains(network, angle=45.0):
-    """Return the `ForceChains` of a network.
+def force_chains(frame, angle=45.0):
+    """Return the `ForceChains` of a `rcr.frame.Frame`; `Network.force_chains` calls it.
 
-    `angle` is the largest angle between a branch vector and the axis of σ₁ of either grain [°]. A
-    ValueError reports an angle that is not within 0 to 90, or a network without contacts between
-    grains.
+    `angle` is the largest angle between a branch vector and the axis of σ₁ of either grain [°].
+    Contacts without a force and those with fixed grains do not count. A ValueError reports an angle
+    that is not within 0 to 90.
     """
     angle = checks.number("angle", angle, "an angle of 0 to 90 [°]", lambda v: 0 <= v <= 90)
-    if not network.between_particles.any():
-        raise ValueError("the network has no contact between grains")
-    body, (one, two) = _bodies(network)
-    size = body.max() + 1
-    sigma, axis = _largest_stress(network, body, size)
+    linked = frame.free_ends().all(axis=0) & (frame.normal_force() > 0)
+    if not linked.any():
+        return ForceChains(np.full(len(frame.grains["id"]), -1), linked, np.empty(0, int), 0.0)
+    body, (one, two) = _bodies(frame)
+    sigma, axis = _largest_stress(frame, body)
+    size = len(sigma)
     bearing = np.zeros(size, bool)
-    bearing[body[network.grain_coordination() > 0]] = True
+    bearing[body[frame.per_grain(frame.normal_force() > 0) > 0]] = True
     stressed = bearing & (sigma > sigma[bearing].mean())
-    branch = network.contacts["branch"]
-    branch = branch / np.linalg.norm(branch, axis=1, keepdims=True)
-    linked = network.between_particles & (one != two) & stressed[one] & stressed[two]
+    linked &= (one != two) & stressed[one] & stressed[two]
+    branch = frame.contacts["arm1"] - frame.contacts["arm2"]
     for end in one, two:
-        cosine = np.abs(np.einsum("ca,ca->c", branch, axis[end]))
-        linked &= cosine >= np.cos(np.radians(angle)) - 1e-12
+        along = np.abs(np.einsum("ca,ca->c", branch, axis[end]))
+        linked &= along >= (np.cos(np.radians(angle)) - 1e-12) * np.hypot(*branch.T)
     label = _components(one[linked], two[linked], size)
     count = np.bincount(label, minlength=size)
     chains = np.flatnonzero(count >= LEAST_GRAINS)
@@ -58,22 +57,20 @@ def force_chains(network, angle=45.0):
                        float((chain >= 0).sum() / bearing.sum()))
 
 
-def _bodies(network):
+def _bodies(frame):
     """Return the body of each grain, a clump being one, and both bodies of contacts, (2, C).
 
-    Bodies are numbered from 0. Obstacles have the number of body 1.
+    Bodies are numbered from 0. Obstacles have any number.
     """
-    ids, clump = network.particles["id"], network.particles["clump"]
+    ids, clump = frame.grains["id"], frame.grains["clump"]
     _, body = np.unique(np.where(clump >= 0, clump, ids), return_inverse=True)
-    first = body[rows(ids, network.contacts["body1"])]
-    second = body[rows(ids, network.contacts["body2"])]
-    return body, (first, np.where(network.between_particles, second, first))
+    return body, [body[frame.rows(frame.contacts[name])] for name in ("body1", "body2")]
 
 
-def _largest_stress(network, body, size):
-    """Return σ₁ [Pa] and its axis of each body, (size,) and (size, 2)."""
-    stress = np.zeros((size, 2, 2))
-    stress[body] = network.grain_stresses()
+def _largest_stress(frame, body):
+    """Return σ₁ [Pa] and its axis of each body, (bodies,) and (bodies, 2)."""
+    stress = np.zeros((body.max() + 1, 2, 2))
+    stress[body] = frame.stress_tensors()
     values, axes = np.linalg.eigh(0.5 * (stress + stress.transpose(0, 2, 1)))
     return values[:, 1], axes[:, :, 1]
 

@@ -16,8 +16,6 @@ from rcr.xi_networks import cutoffs
 class ForceStatistics:
     """Base class of `rcr.Network` with the statistics of its forces between grains."""
 
-    force_chains = force_chains
-
     def force_pdf(self, bins=50, component="normal"):
         """Return the `ForcePdf` of contacts between grains; it unpacks as (f/⟨f⟩, pdf).
 
@@ -86,3 +84,7 @@ class ForceStatistics:
         reach = sum(self.particles["R"][network_columns.rows(ids, self.contacts[body])]
                     for body in ("body1", "body2"))[self.between_particles]
         return statistics.pearson(np.hypot(*force.T), of(np.hypot(*branch.T), reach))
+
+    def force_chains(self, angle=45.0):
+        """Return the `rcr.force_chains.ForceChains`; `angle` bounds the bend of a chain [°]."""
+        return force_chains(self._frame(), angle)

@@ -42,9 +42,9 @@ def packing(
     ax : Axes, optional
         By default Axes of a new Figure, ``ax.figure``.
     color : str or (N,) array
-        ``orientation``, ``speed``, ``spin``, ``load``, ``pressure``, ``contacts``, ``type`` (Rcr,
-        disc, clumped), ``shape`` (colours of YADE's view), a colour of Matplotlib, or a number for
-        each grain of ``Frame.of(what)``.
+        ``orientation``, ``speed``, ``spin``, ``load``, ``pressure``, ``contacts``, ``chain``,
+        ``type`` (Rcr, disc, clumped), ``shape`` (colours of YADE's view), a colour of Matplotlib,
+        or a number for each grain of ``Frame.of(what)``.
     contacts : str, optional
         By default contacts are not drawn. Segments join centre, contact and centre; their width
         shows the normal force. Their colour shows the ``force`` (black above the mean, red up to

@@ -4,10 +4,12 @@ import pickle
 
 import numpy as np
 import pytest
+from rcr.force_chains import force_chains
+from rcr.frame import Frame
 from rcr.network import Network
 
 from common import refused
-from synthetic import TAU, anisotropic, network, particles, random_network
+from synthetic import TAU, anisotropic, network, random_network
 
 
 def test_force_pdf_has_edges_and_unpacks():
@@ -138,10 +140,11 @@ def test_chains_do_not_bend_beyond_the_angle():
     """
     test = rows_of_discs([10] * 6, [1] * 6)
     turn = np.array([[np.cos(TAU / 12), -np.sin(TAU / 12)], [np.sin(TAU / 12), np.cos(TAU / 12)]])
-    contacts = test.contacts | dict(branch=test.contacts["branch"] @ turn.T)
-    bent = Network(test.particles, contacts, {})
-    bent.grain_stresses = test.grain_stresses
-    assert list(bent.force_chains(45).grains) == [7] and not len(bent.force_chains(20).grains)
+    bent, stress = Frame.of(test), test.grain_stresses()
+    for arm in "arm1", "arm2":
+        bent.contacts[arm] = bent.contacts[arm] @ turn.T
+    bent.stress_tensors = lambda: stress
+    assert list(force_chains(bent, 45).grains) == [7] and not len(force_chains(bent, 20).grains)
     for angle in -1, 91, np.nan, None:
         refused("angle", test.force_chains, angle)
 
@@ -159,11 +162,11 @@ def test_a_clump_is_one_grain_of_a_chain():
     assert list(chains.grains) == [6] and list(chains.chain[:7]) == [0] * 7
 
 
-def test_chains_need_contacts_between_grains():
+def test_grains_without_contacts_have_no_chain():
     test = rows_of_discs([1, 1])
     none = {name: column[:0] for name, column in test.contacts.items()}
-    refused("no contact between grains", Network(test.particles, none, {}).force_chains)
-    assert len(Network(particles(1), none, {}).contacts["body1"]) == 0
+    chains = Network(test.particles, none, {}).force_chains()
+    assert list(chains.chain) == [-1, -1, -1] and chains.share == 0 and not len(chains.grains)
 
 
 def test_the_ratio_of_stresses_leaves_walls_out_and_sin_phi_does_not():

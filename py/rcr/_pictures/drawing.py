@@ -6,6 +6,7 @@ functions make Figures without pyplot, so they need no display and leave no figu
 
 import typing
 
+import matplotlib
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
@@ -40,6 +41,15 @@ GRAIN, RATTLER, OBSTACLE = "#d9d9d9", "#f5f5f5", "#9c9c9c"
 def resolution(dpi):
     """Return the resolution of a picture [pixels per inch], or a ValueError."""
     return checks.number("dpi", dpi, "1 to 10000 pixels per inch", lambda v: 1 <= v <= 10_000)
+
+
+def save(figure, stem):
+    """Write a figure as `stem`.png and `stem`.pdf; return the paths."""
+    paths = [stem.with_name(f"{stem.name}.{suffix}") for suffix in ("png", "pdf")]
+    with matplotlib.rc_context(STYLE):
+        for path in paths:
+            figure.savefig(path)
+    return paths
 
 
 def page(limits, foot=0.0):

@@ -14,10 +14,9 @@
 `rcr.study.observables` has the rules of single observables.
 """
 
-import json
-
 import numpy as np
 
+from rcr._data.files import jsonable  # noqa: F401: part of this module's interface
 from rcr.frame import Frame
 from rcr.network import sin_phi
 from rcr import statistics
@@ -136,9 +135,3 @@ def analyse(runs):
     values["O15"] |= stacked(lambda e: drift(groups[e]), {})
     return {key: dict(value=values[key], paper=paper, unit=unit)
             for key, (paper, unit) in STATEMENTS.items()}
-
-
-def jsonable(item):
-    """Return arrays as lists and numbers that are not finite as None, for strict JSON."""
-    text = json.dumps(item, default=lambda array: array.tolist())
-    return json.loads(text, parse_constant=lambda name: None)

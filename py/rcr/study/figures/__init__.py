@@ -104,12 +104,3 @@ def draw(observable, analysis):
     """Return the figure of an observable (a key of `FIGURES`) of a result of `analyse`."""
     with matplotlib.rc_context(STYLE):
         return FIGURES[observable](analysis[observable]["value"], analysis)
-
-
-def save(figure, stem):
-    """Write a figure as `stem`.png and `stem`.pdf; return the paths."""
-    paths = [stem.with_name(f"{stem.name}.{suffix}") for suffix in ("png", "pdf")]
-    with matplotlib.rc_context(STYLE):
-        for path in paths:
-            figure.savefig(path)
-    return paths
