@@ -37,13 +37,23 @@ def page(title, parts):
 
 def image(path):
     """Return a picture as HTML; maps as WebP, since their PNG is large."""
-    kind, data, media = "curve", path.read_bytes(), "png"
-    if "-" in path.stem:
-        kind, media, stream = "map", "webp", io.BytesIO()
-        Image.open(path).convert("RGB").save(stream, "webp", quality=80)
-        data = stream.getvalue()
+    if "-" not in path.stem:
+        return _image("curve", path.stem, "png", path.read_bytes())
+    stream = io.BytesIO()
+    Image.open(path).convert("RGB").save(stream, "webp", quality=80)
+    return _image("map", path.stem, "webp", stream.getvalue())
+
+
+def drawn(figure, name):
+    """Return a Figure as HTML, without a file."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=200)
+    return _image("curve", name, "png", stream.getvalue())
+
+
+def _image(kind, name, media, data):
     source = f"data:image/{media};base64,{base64.b64encode(data).decode()}"
-    return f"<img class='{kind}' alt='{html.escape(path.stem)}' src='{source}'>"
+    return f"<img class='{kind}' alt='{html.escape(name)}' src='{source}'>"
 
 
 def figure(name, pictures, caption):

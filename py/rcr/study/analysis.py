@@ -49,7 +49,7 @@ def along_strain(history, strain):
 
 
 def strength(runs, ensemble, grids):
-    """Return sin φ of the critical state and along the strain, of the runs of one elongation."""
+    """Return the mean sin φ, and sin φ along the strain, of the runs of one elongation."""
     late = [run.critical_stresses() for run in runs]
     seeds = [sin_phi(stresses.mean(axis=0)) for stresses in late]
     blocks = [sin_phi(block.mean(axis=0)) for stresses in late
@@ -86,6 +86,12 @@ def compaction(runs, grids):
                        a_c_error=np.sqrt(2 / mean["contacts"] / len(states)))
 
 
+def isotropic_contacts(runs):
+    """Return the number of contacts between grains in the isotropic states; inf without any."""
+    states = [run.isotropic for run in runs if run.isotropic is not None]
+    return sum(int(state.between_particles.sum()) for state in states) or np.inf
+
+
 def isotropic(network, grids):
     """Return observables of one isotropic packing.
 
@@ -116,7 +122,7 @@ def analyse(runs):
     ensembles = {eta: Ensemble([network for run in group for network in run.networks])
                  for eta, group in groups.items()}
     last = max(float(run.networks[-1].attributes["strain"]) for run in runs)
-    grids = Grids.of(ensembles.values(), last)
+    grids = Grids.of(ensembles.values(), last, min(map(isotropic_contacts, groups.values())))
     named = grids.values()
     results = {eta: measures(e, grids, samples(groups[eta])) for eta, e in ensembles.items()}
     eta = np.array(list(groups))

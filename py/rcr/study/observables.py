@@ -11,6 +11,7 @@
 
 import dataclasses
 import functools
+import math
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from rcr.distributions import over_mean
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
 
 SLACK = 0.01  # of the ranges of ℓ_r and ℓ/R_max, which overlaps and gaps exceed
+POLAR_CUTOFFS = 0.5, 1, 2  # ξ of the angular functions, beside infinity
 SAMPLE_STRIPS = 5  # vertical strips from wall to wall
 AXES = ("off_axis", "theta_sigma")  # angles with the period π
 
@@ -38,8 +40,14 @@ class Grids:
     xi_polar: np.ndarray  # the same of the angular functions
 
     @classmethod
-    def of(cls, ensembles, strain):
-        """Return grids that contain every force of the ensembles, up to a strain."""
+    def of(cls, ensembles, strain, contacts=math.inf):
+        """Return grids that contain every force of the ensembles, up to a strain.
+
+        `contacts` is the smallest number of contacts of other functions of θ; small packings have
+        wide bins of θ.
+        """
+        contacts = min(contacts, *(int(e.xi_networks.count(POLAR_CUTOFFS[0])) for e in ensembles))
+        angles = distributions.angular_bins(contacts)
         top = float(np.ceil(max(max(e.fn.max(), over_mean(np.abs(e.ft)).max()) for e in ensembles)))
         shortest = 1 - max(e.eta for e in ensembles)
         least = min(np.hypot(e.ln, e.lt).min() for e in ensembles)
@@ -49,9 +57,9 @@ class Grids:
             force=np.append(np.geomspace(1e-3, 1, 25), np.arange(1.25, top + 0.125, 0.25)),
             mobilization=np.linspace(0, 1, 21), reduced_length=1 + 0.01 * np.arange(-steps, 1),
             length=np.arange(np.floor(least / 0.05 + 1e-9), 41) * 0.05,
-            theta=np.linspace(0, np.pi, 37), strip=np.linspace(0, 1, SAMPLE_STRIPS + 1),
+            theta=np.linspace(0, np.pi, angles + 1), strip=np.linspace(0, 1, SAMPLE_STRIPS + 1),
             strain=np.linspace(0, strain, 201), xi=np.append(np.arange(0, min(8, top), 0.05), top),
-            xi_polar=np.array([0.5, 1, 2, top]))
+            xi_polar=np.array([*POLAR_CUTOFFS, top]))
 
     def values(self):
         """Return values and centres of bins, by their names in analysis.json."""

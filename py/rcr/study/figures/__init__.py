@@ -104,3 +104,13 @@ def draw(observable, analysis):
     """Return the figure of an observable (a key of `FIGURES`) of a result of `analyse`."""
     with matplotlib.rc_context(STYLE):
         return FIGURES[observable](analysis[observable]["value"], analysis)
+
+
+SMALL = dict(  # observable: its figure on the first screen of the report
+    O1=_plain(plot_strength, legend=False), O3=_plain(plot_force_tail), O15=FIGURES["O15"])
+
+
+def draw_small(observable, analysis):
+    """Return the small figure of an observable (a key of `SMALL`)."""
+    with matplotlib.rc_context(STYLE):
+        return SMALL[observable](analysis[observable]["value"], analysis)
