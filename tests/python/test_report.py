@@ -102,7 +102,7 @@ def test_the_first_screen_says_what_was_done_and_what_came_out(written):
     assert len(sentences) == 5 and first.count("<img") == 4
     sheared, paper, outcome, certainty, critical = sentences
     assert sheared.startswith("For each elongation η = 0 and 0.5 (0 is a disc") and (
-        "1 packing of 100 grains" in sheared and "strains of 0.2 to 0.4" in sheared
+        "1 random packing (seed) of 100 grains" in sheared and "strains of 0.2 to 0.4" in sheared
         and "an unknown rate" in sheared)
     assert "Azéma and Radjaï, Force chains and contact network topology" in paper
     assert "0.30 at η = 0 and 0.45 at η = 0.5 (paper: 0.30 and 0.45)" in outcome

@@ -13,7 +13,8 @@ from rcr import __version__
 from rcr._data import files
 
 _STYLE = """
-body { font: 15px/1.45 sans-serif; max-width: 76em; margin: 1.2em auto; padding: 0 1em; color: #222 }
+body { font: 15px/1.45 sans-serif; color: #222;
+  max-width: 76em; margin: 1.2em auto; padding: 0 1em }
 h1 { font-size: 22px; margin: 0.3em 0 } h2 { font-size: 18px }
 p.lead { margin: 0.4em 0; max-width: 72em }
 table { border-collapse: collapse; width: 100%; font-size: 13px }
@@ -21,9 +22,9 @@ th, td { border-top: 1px solid #ccc; padding: 4px 8px; text-align: left; vertica
 td.yes { background: #dff0d8 } td.no { background: #f6d5d2 } td.open { background: #eee }
 small { color: #555 } figure { margin: 2em 0 }
 img { max-width: 100%; height: auto } img.curve { max-height: 34em }
-div.four { display: grid; grid-template-columns: repeat(4, 1fr); gap: 12px; align-items: end }
-div.four figure { margin: 0.6em 0; font-size: 13px } div.four img { max-height: 19em; width: 100%;
-  object-fit: contain }
+div.four { display: grid; grid-template-columns: repeat(4, 1fr); gap: 12px }
+div.four figure { margin: 0.6em 0; font-size: 13px }
+div.four img { height: 19em; width: 100%; object-fit: contain; object-position: bottom }
 details { margin: 1em 0 } summary { cursor: pointer }
 """
 
@@ -32,7 +33,8 @@ def page(title, parts):
     """Return an HTML page with a title as its heading."""
     head = (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n<title>{title}</title>'
             f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>")
-    return "\n".join([head, *parts, f"<p><small>yade-rcr {__version__}</small></p></body></html>\n"])
+    foot = f"<p><small>yade-rcr {__version__}</small></p></body></html>\n"
+    return "\n".join([head, *parts, foot])
 
 
 def image(path):

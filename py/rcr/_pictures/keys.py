@@ -49,7 +49,7 @@ def add(ax, frame, key, contacts, scale=None):
 
 
 def add_scales(ax, up, scale=None, contacts="force"):
-    """Add a length scale and a `drawing.ForceScale` at a height above the bottom of the figure [in]."""
+    """Add a length scale and a `ForceScale` at a height above the bottom of the figure [in]."""
     figure, points = ax.figure, drawing.points_a_metre(ax)
     width, high = figure.get_size_inches()
     y = up / high
@@ -60,14 +60,19 @@ def add_scales(ax, up, scale=None, contacts="force"):
     if scale is None:
         return
     symbol = r"$\langle f_n\rangle$" if scale.is_mean else "$f_n$"
-    mean = f"{symbol} = {scale.force:.3g} N/m"
+    mean = f"{symbol} = {_short(scale.force)} N/m"
     lines = [(scale.force, "0.3", mean)]
     if contacts == "force":
-        above = f"above, here {BLACK_FORCE * scale.force:.3g} N/m"
+        above = f"above, here {_short(BLACK_FORCE * scale.force)} N/m"
         lines = [(scale.force, WEAK, f"up to {mean}"), (BLACK_FORCE * scale.force, STRONG, above)]
     for left, (force, tint, text) in zip((0.32, 0.66), lines):
         _add_line(figure, left, left + 0.05, y, color=tint, lw=points * scale.widths(force))
         _add_text(figure, left + 0.065, y, text)
+
+
+def _short(number):
+    """Return a number with three digits, as 1270 and not as 1.27e+03."""
+    return f"{float(f'{number:.3g}'):g}"
 
 
 def round_below(length):

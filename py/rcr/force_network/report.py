@@ -109,11 +109,12 @@ def _table(measures):
 def _caption(name):
     kind, _, of = name.partition("-")
     if kind == "map":
-        return f"Last network of {html.escape(of)}: normal forces as thickness of segments."
+        return (f"Last network of {html.escape(of)}: normal forces as thickness of segments, red up "
+                "to the mean of the contacts drawn, those with obstacles too, and black above.")
     if kind == "chains":
         return (f"Last network of {html.escape(of)}: grains of force chains, coloured by the number "
-                "of grains in the chain. These grains have a σ₁ above the mean; the branch vectors "
-                "between them are within 45° of their axes of σ₁.")
+                "of grains in the chain. These grains have a σ₁ above the mean; the branch "
+                "vectors between them are within 45° of their axes of σ₁.")
     return _CAPTIONS[name]
 
 

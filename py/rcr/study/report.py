@@ -5,6 +5,7 @@ import json
 
 from rcr._data.files import jsonable
 from rcr._pictures import drawing, html_page
+from rcr.plot import packing
 from rcr.study import figures, report_text
 from rcr.study.analysis import analyse
 from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED, findings
@@ -48,7 +49,7 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
         (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
         (folder / "table.md").write_text(markdown(HEADER, table), encoding="utf-8")
         parts = [*(f"<p class='lead'>{sentence}</p>" for sentence in lead),
-                 _first_figures(analysis, pictures),
+                 _first_figures(runs, analysis),
                  *_tables(table, report_text.has_small_packing(runs)),
                  f"<h2>Tests and errors</h2><p>{material}</p>", "<h2>Figures</h2>",
                  *(_figure(key, entry, pictures[key]) for key, entry in analysis.items())]
@@ -67,20 +68,19 @@ def _map_networks(runs):
                 yield key, network
 
 
-def _first_figures(analysis, pictures):
+def _first_figures(runs, analysis):
     """Return the four figures of the first screen, each with a link to its large one."""
-    row = pictures["O6"][-1]
-    eta = row.stem.rpartition("-")[2]
+    run = max(runs, key=lambda run: run.eta)
     shown = [("O1", "Shear strength against elongation; dashed: the paper."),
-             ("O6", f"Contact forces at η = {eta}: black above the mean, red up to it; the thicker "
-              "the larger."),
+             ("O6", f"Contact forces at η = {run.eta:g}: black above the mean, red up to it; the "
+              "thicker the larger."),
              ("O3", "How often a normal force of a given size occurs; the mean is 1."),
              ("O15", "Anisotropy of the contacts with forces up to ξ times the mean; positive: "
               "more contacts along the largest stress σ₁.")]
-    drawn = {key: html_page.drawn(figures.draw_small(key, analysis), key)
-             for key in figures.SMALL} | dict(O6=html_page.image(row))
-    parts = [f"<figure><a href='#{key}'>{drawn[key]}</a><figcaption>{text}</figcaption></figure>"
-             for key, text in shown]
+    drawn = {key: figures.draw_small(key, analysis) for key in figures.SMALL}
+    drawn["O6"] = packing(run.networks[-1], color="0.88", contacts="force", legend=False).figure
+    parts = [f"<figure><a href='#{key}'>{html_page.drawn(drawn[key], key)}</a><figcaption>{text}"
+             "</figcaption></figure>" for key, text in shown]
     return f"<div class='four'>{''.join(parts)}</div>"
 
 

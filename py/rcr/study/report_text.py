@@ -6,10 +6,11 @@ Needs NumPy.
 import numpy as np
 
 from rcr._data import checks
+from rcr.study import protocol
 from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED
 from rcr.study.analysis import SEEDS
 from rcr.study.claims.comparisons import SIGMAS
-from rcr.study.protocol import HALF_RECORD, PROTOCOL
+from rcr.study.protocol import HALF_RECORD
 from rcr.study.runs import group_by_eta
 
 FEWEST = 1000  # grains from which on the verdicts of the table mean something
@@ -20,19 +21,21 @@ REACHED, MOVES, UNKNOWN = "reached", "moves", "unknown"  # states of the critica
 
 def lead(runs, analysis, table):
     """Return the five sentences at the top of the report."""
-    return [_sheared(runs, analysis), _paper(), _outcome(analysis, table), _certainty(runs, analysis),
-            _critical(runs, analysis)]
+    return [_sheared(runs, analysis), _paper(), _outcome(analysis, table),
+            _certainty(runs, analysis), _critical(runs, analysis)]
 
 
 def _sheared(runs, analysis):
     value = analysis["O1"]["value"]
-    etas, seeds = listed(value["eta"]), spread(value["seeds"], "{:.0f}")
-    window = f"{spread([run.from_strain for run in runs], '{:.2g}')} to {_end(runs)}"
+    etas, seeds, end = listed(value["eta"]), spread(value["seeds"], "{:.0f}"), _end(runs)
     kinds = "" if len(value["eta"]) == 1 else " (0 is a disc, values near 1 are needles)"
-    packings = f"{seeds} packing{'s' * (seeds != '1')} of {spread(value['particles'], '{:.0f}')}"
-    return (f"For each elongation η = {etas}{kinds}, {packings} grains in two dimensions "
-            f"{'was' if seeds == '1' else 'were'} sheared in a biaxial test; values are means over "
-            f"strains of {window}, at {_rate(runs)}.")
+    several = seeds != "1"
+    packings = (f"{seeds} random packing{'s' * several} (seed{'s' * several}) of "
+                f"{spread(value['particles'], '{:.0f}')} grains in two dimensions")
+    start = spread([run.from_strain for run in runs], "{:.2g}")
+    return (f"For each elongation η = {etas}{kinds}, {packings} {'were' if several else 'was'} "
+            f"sheared in a biaxial test up to a strain of {end}; values are means over strains of "
+            f"{start} to {end}, at {_rate(runs)}.")
 
 
 def _end(runs):
@@ -48,15 +51,16 @@ def _rate(runs):
 
 
 def _paper():
-    return f"They are set against {PAPER}, who sheared packings of 13 000 grains."
+    return f"The results are set against {PAPER}, who sheared packings of 13 000 grains."
 
 
 def _outcome(analysis, table):
     value, count = analysis["O1"]["value"], verdicts(table)
     ends = [f"{value['sin_phi'][k]:.2f} at η = {value['eta'][k]:g}" for k in (0, -1)]
-    strength = ends[0] if len(value["eta"]) == 1 else " and ".join(ends)
-    paper = " and ".join(f"{0.3 + 0.3 * value['eta'][k]:.2f}" for k in sorted({0, len(value["eta"]) - 1}))
-    return (f"The shear strength sin φ = (σ₁ − σ₂)/(σ₁ + σ₂) is {strength} (paper: {paper}); "
+    measured = " and ".join(dict.fromkeys(ends))
+    ends_of_paper = dict.fromkeys(0.3 + 0.3 * value["eta"][k] for k in (0, -1))
+    paper = " and ".join(f"{strength:.2f}" for strength in ends_of_paper)
+    return (f"The shear strength sin φ = (σ₁ − σ₂)/(σ₁ + σ₂) is {measured} (paper: {paper}); "
             f"{count[AGREES]} of the {len(table)} statements of the paper below agree, "
             f"{count[DIFFERS]} do not, {count[NOT_TESTED]} are not tested.")
 
@@ -67,8 +71,8 @@ def _certainty(runs, analysis):
     known = np.isfinite(error)
     size = f"at most {error[known].max():.1g}" if known.any() else "unknown"
     size += " where it is known" if known.any() and not known.all() else ""
-    kind = ("over the packings" if min(value["seeds"]) >= SEEDS else
-            f"within the tests and too small, since there are fewer than {SEEDS} packings")
+    kind = ("those over the packings" if min(value["seeds"]) >= SEEDS else
+            f"those within a test, which are too small, since there are fewer than {SEEDS} packings")
     small = (f"; with fewer than {FEWEST} grains, chance and walls decide many verdicts, which are "
              "therefore grey" if has_small_packing(runs) else "")
     return f"The standard error of sin φ is {size}; errors are {kind}{small}."
@@ -81,8 +85,8 @@ def _critical(runs, analysis):
             for state in (REACHED, MOVES, UNKNOWN)}
     what = "The critical state, in which nothing changes any more,"
     if not approached(runs):
-        return (f"{what} is not claimed: the averages begin before the slow part of the test, which "
-                f"begins at a strain of {slow_strain(runs):.2g}.")
+        return (f"{what} is not claimed: the averages begin before the slow part of the test, "
+                f"which begins at a strain of {slow_strain(runs):.2g}.")
     parts = []
     if etas[REACHED]:
         parts.append(f"is reached at η = {etas[REACHED]} as far as the fabric shows")
@@ -102,8 +106,7 @@ def slow_strain(runs):
     It is 0 for networks without the parameters of scripts/biaxial.py.
     """
     approaches = [run.record["parameters"].get("approach") or 0 for run in runs if run.record]
-    approach = max(approaches, default=0)
-    return approach + PROTOCOL.slowing_strain * (approach > 0)
+    return protocol.slow_strain(max(approaches, default=0))
 
 
 def approached(runs):
