@@ -124,6 +124,17 @@ def test_every_figure_has_a_caption_that_says_what_it_plots(written):
         assert re.search(rf"<b>{key}</b> {re.escape(html.escape(caption))}<br>", page), key
 
 
+@pytest.mark.parametrize("rates, says", [
+    ([1e-4, 1e-4], "at an inertial number of 0.0001 (slow; inertia matters from about 1e-3 on)."),
+    ([2e-5, 1e-3], "at an inertial number of 2e-05 to 0.001 (inertia matters from about 1e-3 on)."),
+    ([None, None], "at an unknown rate.")])
+def test_the_rate_is_that_of_the_summaries(folders, result, rates, says):
+    runs = [Run.read(folder) for folder in folders]
+    for run, rate in zip(runs, rates):
+        run.summary = dict(inertial_number=rate)
+    assert report_text._sheared(runs, result).endswith(says)
+
+
 def with_approach(run, approach):
     run.record = dict(parameters=dict(approach=approach), run="x")
     return run

@@ -15,7 +15,8 @@ from rcr.study.figures.captions import CAPTIONS
 
 TITLE = "Force networks of elongated particles"
 _RULE = ("A value agrees within its tolerance or two standard errors; a trend must exceed two "
-         "standard errors. The small print under each statement is its criterion.")
+         "standard errors. The small print under each statement is its criterion; measured "
+         "values have their elongation η in brackets.")
 HEADER = "", "paper", "agrees if", "measured", "error", "verdict"
 _TITLES = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}

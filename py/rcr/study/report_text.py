@@ -13,6 +13,7 @@ from rcr.study.claims.comparisons import SIGMAS
 from rcr.study.protocol import HALF_RECORD
 from rcr.study.runs import group_by_eta
 
+SLOW = 2e-4  # inertial number up to which a test is called slow [-]
 FEWEST = 1000  # grains from which on the verdicts of the table mean something
 PAPER = ("Azéma and Radjaï, <a href='https://arxiv.org/abs/1108.3164'><i>Force chains and contact "
          "network topology in packings of elongated particles</i></a>")
@@ -34,8 +35,9 @@ def _sheared(runs, analysis):
                 f"{spread(value['particles'], '{:.0f}')} grains in two dimensions")
     start = spread([run.from_strain for run in runs], "{:.2g}")
     return (f"For each elongation η = {etas}{kinds}, {packings} {'were' if several else 'was'} "
-            f"sheared in a biaxial test up to a strain of {end}; values are means over strains of "
-            f"{start} to {end}, at {_rate(runs)}.")
+            "sheared in a biaxial test (the top wall moves down, the lateral stress is constant) up "
+            f"to a strain of {end}; values are means over strains of {start} to {end}, at "
+            f"{_rate(runs)}.")
 
 
 def _end(runs):
@@ -47,7 +49,9 @@ def _rate(runs):
     rates = [rate for (rate,) in of_summaries(runs, "inertial_number")]
     if not rates:
         return "an unknown rate"
-    return f"an inertial number of {spread(rates, '{:.1g}')} (inertia matters from about 1e-3 on)"
+    slow = "slow; " if max(rates) <= SLOW else ""
+    return (f"an inertial number of {spread(rates, '{:.1g}')} ({slow}inertia matters from about 1e-3 "
+            "on)")
 
 
 def _paper():
@@ -94,7 +98,7 @@ def _critical(runs, analysis):
         rows = [f"{change:+.2f} ± {error:.2f}" for eta, change, error in zip(
             value["eta"], value["a_c_drift"], value["a_c_drift_error"]) if states[eta] == MOVES]
         parts.append(f"is not reached at η = {etas[MOVES]}, where the anisotropy a_c of the "
-                     f"contacts still changes, by {', '.join(rows)}")
+                     f"contacts still changes, by {' and '.join(rows)}")
     if etas[UNKNOWN]:
         parts.append(f"is unknown at η = {etas[UNKNOWN]}, for want of three networks of a test")
     return f"{what} {'; it '.join(parts)}."
