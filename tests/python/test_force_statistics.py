@@ -180,3 +180,5 @@ def test_the_ratio_of_stresses_leaves_walls_out_and_sin_phi_does_not():
     assert made.sin_phi() == pytest.approx((16 - 4) / 20)
     assert made.shear_stress_ratio() == pytest.approx((6 - 4) / 10)
     assert np.trace(made.stress()) * 10 == pytest.approx(20)
+    for method in Network.sin_phi, Network.shear_stress_ratio:
+        assert "obstacles" in method.__doc__
