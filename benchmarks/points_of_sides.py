@@ -12,9 +12,9 @@ import numpy as np
 
 from rcr import script
 from rcr._data import files
-from rcr.study import statistics
-from rcr.study.ensemble import Ensemble
-from rcr.study.observables import POWER_RANGE
+from rcr import statistics
+from rcr.ensemble import Ensemble
+from rcr.distributions import POWER_RANGE
 from rcr.study.runs import Run, by_elongation
 from rcr.xi_networks import XiNetworks
 

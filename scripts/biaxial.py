@@ -25,12 +25,13 @@ from rcr.study import progress
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
 from rcr.study.protocol import (DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_networks,
-                                check_parameters)
+                                check_parameters, quick_averages)
 from rcr.study.shear import share_done
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", NETWORKS]
 OUTPUT = ["strain", "networks", "include_yielded"]  # options that change no record
+RATE = "approach", "inertial_number"
 RUN_SECONDS = 3.0  # aimed duration of a run of several records
 NOTE_SECONDS = 0.2  # least time between two notes of the progress
 CHECKPOINT_SECONDS = 60  # between checkpoints; at least 20 times that of writing one
@@ -224,6 +225,9 @@ def main():
     with script.stoppable() as stop, folder as begin:
         test = load(options, parameters) if options.resume else Biaxial.prepare(**parameters)
         begin()
+        warning = quick_averages(options.strain, *(parameters[name] for name in RATE))
+        if warning:
+            print(f"biaxial.py: {warning}", file=sys.stderr)
         checkpoints = Checkpoints(test, options, stop)
         try:
             if test.progress["phase"] != "shear":

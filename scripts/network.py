@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Analyse the networks of biaxial tests: analysis.json, every figure of the paper, report.html.
+"""Analyse contact networks: analysis.json, figures and report.html.
 
-Each DIR is a folder of scripts/biaxial.py. Tests of one elongation are seeds, whose contacts are
-cumulated; each elongation is a curve of the figures. Needs NumPy, h5py, Matplotlib and tqdm, not
-YADE.
+Folders of scripts/biaxial.py, and networks with the attributes strain, eta, friction and volume,
+are shear tests: the observables and figures of the paper, and paper against measured. Tests of one
+elongation are seeds, whose contacts are cumulated; each elongation is a curve of the figures.
+Networks of any other scene: force distributions, fabric, force chains and maps; each PATH is a
+curve. Needs NumPy, h5py, Matplotlib and tqdm, not YADE.
 """
 
 import os
@@ -16,12 +18,14 @@ try:
 
     from rcr import script
     from rcr._data import run_folder
+    from rcr.force_network import analysis as any_scene, report as force_report
     from rcr.study import report
     from rcr.study.runs import Run, by_elongation
 except ImportError as error:  # continue in the Python of yade-rcr
     environment.reenter(error)
 
-MADE = ["analysis.json", "report.html", "table.md", "O[0-9]*.png", "O[0-9]*.pdf"]
+MADE = ["table.md", "O[0-9]*.png", "O[0-9]*.pdf"]
+SELECTION = "from_strain", "to_strain", "include_yielded"  # options of shear tests alone
 
 
 def arguments():
@@ -29,15 +33,64 @@ def arguments():
     strain = script.number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1)
     parser = script.Parser(prog="network.py", description=__doc__)
     add = parser.add_argument
-    add("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
+    add("paths", nargs="+", metavar="PATH", help="folder with network-*.h5, or a network file")
     script.add_results(parser, "results")
+    add("--any-scene", action="store_true",
+        help="analyse shear tests too as networks of any scene, without the paper")
     add("--from-strain", type=strain, metavar="E",
-        help="first strain of the averages (default: half of --to-strain)")
+        help="first strain of the averages of shear tests (default: half of --to-strain)")
     add("--to-strain", type=strain, metavar="E",
-        help="last strain of the averages (default: each test's end)")
+        help="last strain of the averages of shear tests (default: each test's end)")
     add("--include-yielded", action="store_true",
-        help="keep records and networks whose record has a step without a solution")
+        help="of shear tests, keep records and networks whose record has a step without a solution")
     return parser.parse_args()
+
+
+def are_shear_tests(options):
+    """Return whether the paths are shear tests; a ValueError reports some that are and some not."""
+    if options.any_scene:
+        return False
+    tests = {path: any_scene.is_shear_test(path) for path in options.paths}
+    if len(set(tests.values())) > 1:
+        test, other = (next(p for p, found in tests.items() if found is wanted)
+                       for wanted in (True, False))
+        raise ValueError(f"{test} holds networks of a shear test, with the attributes "
+                         f"{', '.join(any_scene.SHEAR_TEST)}, and {other} does not; leave one out, "
+                         "or analyse both without the paper: --any-scene")
+    return all(tests.values())
+
+
+def warn_of_incomplete(run):
+    """Print that a run is not complete."""
+    if run.record and run.summary is None:
+        last = run.networks[-1].attributes["strain"]
+        end = run.record["parameters"].get("strain")
+        aim = "" if end is None else f", its end at {end}"
+        print(f"network.py: the run in {run.folder} is not complete: its last network is at a "
+              f"strain of {last:.4f}{aim}", file=sys.stderr)
+
+
+def shear_tests(options):
+    """Return the parameters of an analysis of shear tests, its report module and the tests."""
+    selection = {name: getattr(options, name) for name in SELECTION}
+    runs = [Run.read(folder, **selection) for folder in options.paths]
+    for run in runs:
+        warn_of_incomplete(run)
+    by_elongation(runs)  # raises if they do not belong together
+    sources = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
+               for run in runs]
+    return dict(selection, runs=sources), report, runs
+
+
+def networks(options):
+    """Return the same of networks of any scene."""
+    given = [f"--{name.replace('_', '-')}" for name in SELECTION if getattr(options, name)]
+    if given:
+        raise ValueError(f"{', '.join(given)}: expected shear tests, whose networks have the "
+                         f"attributes {', '.join(any_scene.SHEAR_TEST)}; leave it out")
+    sets = any_scene.read(options.paths)
+    sources = [[os.path.abspath(path) for path in one.paths] for one in sets]
+    return dict(networks=sources), force_report, sets
 
 
 def shown_on(bar):
@@ -56,25 +109,13 @@ def shown_on(bar):
 
 def main():
     options = arguments()
-    names = ("from_strain", "to_strain", "include_yielded")
-    selection = {name: getattr(options, name) for name in names}
-    runs = [Run.read(folder, **selection) for folder in options.folders]
-    for run in runs:
-        if run.record and run.summary is None:
-            last = run.networks[-1].attributes["strain"]
-            end = run.record["parameters"].get("strain")
-            aim = "" if end is None else f", its end at {end}"
-            print(f"network.py: the run in {run.folder} is not complete: its last network is at a "
-                  f"strain of {last:.4f}{aim}", file=sys.stderr)
-    by_elongation(runs)  # raises if they do not belong together
-    sources = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
-               for run in runs]
-    parameters = dict(selection, runs=sources)
-    with run_folder.claim_folder(options.out, "network.py", parameters, MADE,
+    analyse = shear_tests if are_shear_tests(options) else networks
+    parameters, writer, given = analyse(options)
+    with run_folder.claim_folder(options.out, "network.py", parameters, MADE + force_report.MADE,
                               overwrite=options.overwrite) as begin:
         with tqdm(bar_format="{desc} …", leave=False, disable=None) as bar:
-            table = report.write(runs, options.out, shown_on(bar), begin)
-    print(f"{os.path.join(options.out, 'report.html')}: {report.summary(table)}")
+            found = writer.write(given, options.out, shown_on(bar), begin)
+    print(f"{os.path.join(options.out, 'report.html')}: {writer.summary(found)}")
 
 
 script.run(main)

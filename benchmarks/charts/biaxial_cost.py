@@ -27,7 +27,7 @@ from yade.wrapper import Omega
 
 from benchmarks import charts
 from benchmarks.charts.yade_clumps import Stock
-from rcr.study.statistics import standard_error
+from rcr.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import ONE_RATE, PROTOCOL
 

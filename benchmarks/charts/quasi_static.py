@@ -21,11 +21,12 @@ from matplotlib.figure import Figure
 from yade.wrapper import Omega
 
 from rcr.network import Network, sin_phi
-from rcr.study import statistics
+from rcr import statistics
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
-from rcr.study.ensemble import Ensemble
-from rcr.study.observables import POWER_RANGE, correlations
+from rcr.ensemble import Ensemble
+from rcr.distributions import POWER_RANGE
+from rcr.study.observables import correlations
 from rcr.study.figures.plot_style import legend_outside
 from rcr.study.protocol import HALF_RECORD
 

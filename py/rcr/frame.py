@@ -146,10 +146,17 @@ class Frame:
 
     def mean_radius(self):
         """Return ⟨R⟩ of the free grains, or of all grains if none is free [m]."""
+        return self._mean(self.radius)
+
+    def mean_cap_radius(self):
+        """Return ⟨R′⟩ of the free grains, or of all grains if none is free [m]."""
+        return self._mean(self.grains["cap_radius"])
+
+    def _mean(self, values):
         free = ~self.grains["fixed"]
         if not len(free):
             return math.nan
-        return float(self.radius[free if free.any() else slice(None)].mean())
+        return float(values[free if free.any() else slice(None)].mean())
 
     def areas(self):
         """Return the area of each grain, (N,) [m²].

@@ -26,6 +26,7 @@ from rcr._data import checks, files, network_attributes, network_columns
 from rcr._data.network_columns import (  # noqa: F401: part of this module's interface
     BOTTOM, CAP_CAP, CAP_SIDE, LEFT, OBSTACLE, OTHER, RIGHT, SIDE_SIDE, TOP,
 )  # fmt: skip
+from rcr.force_statistics import ForceStatistics
 from rcr.xi_networks import XiNetworks, cutoffs
 
 COMPLEX = np.array([1, 1j])  # turns components (n, t) into n + i t
@@ -37,8 +38,10 @@ def sin_phi(stresses):
     return (high - low) / (high + low)
 
 
-class Network:
+class Network(ForceStatistics):
     """Force-bearing contacts at one time.
+
+    `ForceStatistics` has the distributions and correlations of their forces.
 
     Parameters
     ----------
@@ -155,7 +158,7 @@ class Network:
         return np.linalg.eigvalsh(0.5 * (stress + stress.T))
 
     def sin_phi(self):
-        """Return q/p of the stress of all contacts [-]."""
+        """Return q/p of the stress of all contacts, those with obstacles included [-]."""
         return sin_phi(np.linalg.eigvalsh(self._symmetric_moments()))
 
     def _symmetric_moments(self):
@@ -199,7 +202,7 @@ class Network:
         return np.einsum("ca,cb->ab", n[pick], n[pick]) / len(n)
 
     def anisotropies(self, xi=np.inf):
-        """Return the anisotropies (a_c, a_ln, a_lt, a_fn, a_ft) of the ξ-network [-].
+        """Return the `Anisotropies` (a_c, a_ln, a_lt, a_fn, a_ft) of the ξ-network [-].
 
         They have the shape of the cutoffs ξ = f_n/⟨f_n⟩ [-] and are positive along σ₁. With t = n
         turned by +90°, an average ⟨f_t⟩ = a sin 2(θ − θσ) has a_ft = −a, and likewise a_lt.
@@ -210,22 +213,10 @@ class Network:
     def shear_stress_ratio(self, xi=np.inf):
         """Return q(ξ)/p of the contacts between grains [-].
 
-        q(ξ) is the deviator of the partial stress along the axes of σ, p that of the whole network.
+        Contacts with obstacles do not enter, unlike in `sin_phi` and `stress`: at ξ = ∞ it differs
+        from `sin_phi` by their share. q(ξ) is the deviator of the partial stress along the axes of σ, p that of the whole network.
         """
         return self.xi_networks().shear_stress_ratio(xi)
-
-    def force_pdf(self, bins=50):
-        """Return the probability density of f_n/⟨f_n⟩ between grains, in logarithmic classes.
-
-        The results are the centres of the classes f_n/⟨f_n⟩ and the densities, (bins,) each [-];
-        Σ pdf Δf is the fraction of contacts within the classes.
-        """
-        bins = checks.integer("bins", bins, "at least 1", lambda v: 1 <= v <= 10**6)
-        force = self.local_components()[3][:, 0]
-        force = force / force.mean()
-        edges = np.geomspace(max(force.min(), 1e-4), force.max() * (1 + 1e-12), bins + 1)
-        count, _ = np.histogram(force, edges)
-        return np.sqrt(edges[1:] * edges[:-1]), count / (np.diff(edges) * len(force))
 
     def friction_mobilization(self):
         """Return I_m = |f_t|/(µ f_n) of each contact between grains, 0 for µ f_n = 0, (C,) [-].

@@ -10,20 +10,16 @@ import os
 
 import matplotlib
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize, to_rgba, to_rgba_array
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.colors import to_rgba, to_rgba_array
 
 from rcr._data import checks
-from rcr._pictures import drawing
+from rcr._pictures import drawing, keys
 from rcr._pictures.drawing import STYLE, TYPES
+from rcr._pictures.keys import MOBILIZATION, OBSTACLE_CONTACT
 from rcr._data.files import atomic_path
-from rcr._pictures.grain_colors import CATEGORIES, KIND_COLORS, SCALES, grain_colors  # noqa: F401
-from rcr.frame import KINDS, Frame
+from rcr._pictures.grain_colors import CATEGORIES, SCALES, grain_colors  # noqa: F401
+from rcr.frame import Frame
 
-MOBILIZATION, OBSTACLE_CONTACT = "plasma", "0.3"  # colours of contacts
 CONTACTS = dict(force="black above the mean force, red up to it",
                 type="blue cap-cap, green cap-side, red side-side, grey with an obstacle",
                 mobilization="dark without friction to yellow where it slides: |f_t|/(µ f_n)")
@@ -31,7 +27,7 @@ CONTACTS = dict(force="black above the mean force, red up to it",
 
 def packing(
     what=None, ax=None, color="orientation", contacts=None, range=None, cmap=None, limits=None,
-    legend=None,
+    legend=None, force_width=None, reference_force=None,
 ):  # fmt: skip
     """Draw grains and obstacles, and optionally contacts; return the Axes.
 
@@ -46,9 +42,9 @@ def packing(
     ax : Axes, optional
         By default Axes of a new Figure, ``ax.figure``.
     color : str or (N,) array
-        ``orientation``, ``speed``, ``spin``, ``load``, ``pressure``, ``contacts``, ``type`` (Rcr,
-        disc, clumped), ``shape`` (colours of YADE's view), a colour of Matplotlib, or a number for
-        each grain of ``Frame.of(what)``.
+        ``orientation``, ``speed``, ``spin``, ``load``, ``pressure``, ``contacts``, ``chain``,
+        ``type`` (Rcr, disc, clumped), ``shape`` (colours of YADE's view), a colour of Matplotlib,
+        or a number for each grain of ``Frame.of(what)``.
     contacts : str, optional
         By default contacts are not drawn. Segments join centre, contact and centre; their width
         shows the normal force. Their colour shows the ``force`` (black above the mean, red up to
@@ -61,27 +57,38 @@ def packing(
     limits : ((float, float), (float, float)), optional
         Lower left and upper right corner [m]; by default `Frame.extent`.
     legend : bool, optional
-        Add a colour bar and a legend below the picture; by default True for a new Figure.
+        Add scales of length and force, and keys of colours; by default True for a new Figure.
+    force_width : float, optional
+        Width of a segment with the mean force, over the mean thickness 2R′ of the grains [-]; the
+        widest segment has five times it. By default 0.08, within 0.2 and 3.8 pt.
+    reference_force : float, optional
+        Replaces the mean force in widths and colours [N/m]: one scale for several pictures.
     """
     frame = Frame.of(what)
     if not (len(frame.grains["id"]) or len(frame.walls["id"]) or frame.outlines):
         raise ValueError("the scene holds no Rcr, Sphere, Wall, Box or Facet: nothing to draw")
     _check_contacts(frame, contacts)
+    share = _positive("force_width", force_width, "a width over the thickness 2R′ > 0")
+    mean = _positive("reference_force", reference_force, "a normal force > 0 [N/m]")
     limits = frame.extent() if limits is None else checks.rectangle("limits", limits)
     legend = ax is None if legend is None else legend
     faces, key = grain_colors(frame, color, range, cmap)
     with matplotlib.rc_context(STYLE):
-        keys = legend and (key or contacts in ("type", "mobilization"))
-        ax = drawing.page(limits, keys) if ax is None else drawing.canvas(limits, ax)
+        foot = legend * keys.height(key, contacts)
+        ax = drawing.page(limits, foot) if ax is None else drawing.canvas(limits, ax)
         radius = frame.mean_radius() if len(frame.grains["id"]) else 0.01 * np.ptp(limits)
         unit = drawing.line_unit(ax, radius)
         drawing.add_obstacles(ax, frame, unit)
         _add_grains(ax, frame, faces, unit)
-        if contacts is not None:
-            _add_contacts(ax, frame, contacts, unit)
-        if keys:
-            _add_keys(ax.figure, frame, key, contacts)
+        scale = None if contacts is None else _add_contacts(ax, frame, contacts, share, mean)
+        if legend:
+            keys.add(ax, frame, key, contacts, scale)
     return ax
+
+
+def _positive(name, value, expected):
+    """Return an optional number > 0."""
+    return value if value is None else checks.number(name, value, expected, lambda v: v > 0)
 
 
 def snapshot(path, what=None, dpi=200, **options):
@@ -150,58 +157,26 @@ def _check_contacts(frame, by):
         raise ValueError(f"{given}; the mobilization needs all of them: {todo}")
 
 
-def _add_contacts(ax, frame, by, unit):
-    """Add the force-bearing contacts, coloured by one of `CONTACTS`."""
+def _add_contacts(ax, frame, by, share, reference):
+    """Add the force-bearing contacts, coloured by one of `CONTACTS`.
+
+    Return the `drawing.ForceScale`, None without any contact and reference.
+    """
     force = frame.normal_force()
     bearing = force > 0
-    if not bearing.any():
-        return
+    if reference is None and not bearing.any():
+        return None
     lines = (frame.segments() + frame.wrap(frame.contacts["position"])[:, None])[bearing]
-    force = force[bearing] / force[bearing].mean()
+    mean = float(force[bearing].mean()) if reference is None else reference
+    scale = drawing.force_scale(ax, frame, mean, share, reference is None)
+    force = force[bearing]
     if by == "force":
-        drawing.add_forces(ax, lines, force, unit)
-        return
+        drawing.add_forces(ax, lines, force, scale)
+        return scale
     if by == "mobilization":
         tints = matplotlib.colormaps[MOBILIZATION](np.minimum(frame.mobilization()[bearing], 1))
     else:
         tints = [*TYPES.values(), OBSTACLE_CONTACT]
         tints = to_rgba_array(tints)[frame.contacts["type"][bearing]]
-    drawing.add_segments(ax, lines, drawing.force_widths(force, unit), colors=tints, zorder=3)
-
-
-def _add_keys(figure, frame, key, contacts):
-    """Add the key of the grains at the lower right, and that of the contacts at the lower left."""
-    if key == "kinds":
-        patches = [Patch(fc=KIND_COLORS[k], label=KINDS[k], ec="0.3", lw=0.5)
-                   for k in np.unique(frame.kinds())]
-        _add_legend(figure, 0.55, patches)
-    elif key:
-        mappable, scale = key
-        _add_bar(figure, 0.57, mappable, scale.label, scale.ticks)
-    if contacts == "type":
-        tints = TYPES | {"obstacle": OBSTACLE_CONTACT}
-        lines = [Line2D([], [], color=tint, lw=2, label=name) for name, tint in tints.items()]
-        _add_legend(figure, 0.0, lines)
-    elif contacts == "mobilization":
-        mappable = ScalarMappable(Normalize(0, 1), MOBILIZATION)
-        _add_bar(figure, 0.05, mappable, r"$|f_t|/\mu f_n$")
-
-
-def _add_bar(figure, left, mappable, label, ticks=None):
-    """Add a colour bar below the picture, with its label and power of ten above it."""
-    height = figure.get_figheight()
-    scale = figure.add_axes((left, 0.17 / height, 0.38, 0.09 / height))
-    numbers = ScalarFormatter(useOffset=False, useMathText=True)
-    style = dict(orientation="horizontal", ticks=ticks, format=numbers)
-    shown = figure.colorbar(mappable, cax=scale, **style)
-    numbers.set_locs(shown.get_ticks())
-    power = numbers.get_offset()  # part of the label: below the scale it would be cut off
-    scale.xaxis.get_offset_text().set_visible(False)
-    scale.tick_params(labelsize=7, pad=1, top=False)
-    text = f"{label}  {power}" if power else label
-    figure.text(left + 0.19, 0.29 / height, text, ha="center", va="bottom", fontsize=8)
-
-
-def _add_legend(figure, left, handles):
-    anchor = (left, 0.21 / figure.get_figheight())
-    figure.legend(handles=handles, loc="center left", bbox_to_anchor=anchor, ncol=2, fontsize=8)
+    drawing.add_segments(ax, lines, scale.widths(force), colors=tints, zorder=3)
+    return scale

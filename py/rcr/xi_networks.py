@@ -11,11 +11,23 @@ Each deviator is the real part of a complex weight times e^{2iθ}. An average
 The anisotropies here are those of the tensors, for which the half-sum holds.
 """
 
+import typing
+
 import numpy as np
 
 from rcr._data import checks
 
 ROUNDING = 1e-12  # of a force over the mean force, relative
+
+
+class Anisotropies(typing.NamedTuple):
+    """Anisotropies of a ξ-network, of the shape of ξ [-], positive along σ₁."""
+
+    a_c: np.ndarray  # of the contact normals
+    a_ln: np.ndarray  # of the normal branch components
+    a_lt: np.ndarray  # of the tangential ones
+    a_fn: np.ndarray  # of the normal forces
+    a_ft: np.ndarray  # of the tangential ones
 
 
 def cutoffs(xi):
@@ -78,12 +90,12 @@ class XiNetworks:
         return (self._sums[:, self.count(xi)].T / self._traces).T
 
     def anisotropies(self, xi=np.inf):
-        """Return (a_c, a_ln, a_lt, a_fn, a_ft) of the shape of ξ [-], positive along σ₁.
+        """Return the `Anisotropies` of the shape of ξ [-], positive along σ₁.
 
         Source: the paper's equations harmonique and Aniso_values_xi.
         """
         a_c, ln, branch, fn, force, _ = 2 * self._deviators(xi)
-        return a_c, ln - a_c, branch - ln, fn - a_c, force - fn
+        return Anisotropies(a_c, ln - a_c, branch - ln, fn - a_c, force - fn)
 
     def shear_stress_ratio(self, xi=np.inf):
         """Return q(ξ)/p of the shape of ξ [-; eq. sigma_xi], with p of the whole network."""

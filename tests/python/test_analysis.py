@@ -7,8 +7,9 @@ import time
 import numpy as np
 import pytest
 import scipy.integrate
-from rcr.study import analysis, claims, observables, statistics
-from rcr.study.ensemble import Ensemble
+from rcr import statistics
+from rcr.study import analysis, claims, observables
+from rcr.ensemble import Ensemble
 from rcr.network import LEFT, RIGHT, Network
 from rcr.study.claims.statements import STATEMENTS
 from rcr.study.runs import Run

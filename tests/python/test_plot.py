@@ -135,6 +135,79 @@ def test_segments_are_as_thick_as_their_force_and_equal_forces_have_one_colour()
     assert len([c for c in forces_of(plot.packing(row, contacts="force")) if c.get_paths()]) == 1
 
 
+def widths_of(ax):
+    """Widths of the force lines, thinnest first [m]."""
+    widths = np.concatenate([c.get_linewidths() for c in forces_of(ax) if c.get_paths()])
+    return np.sort(widths) / drawing.points_a_metre(ax)
+
+
+@pytest.mark.parametrize("eta", [0, 0.7, 0.95])
+def test_force_lines_do_not_hide_needles(eta):
+    """The widest line covers 40 % of the thickness 2R′ of a grain, one of the mean force 8 %.
+
+    Lines of the mean force have at least 0.2 pt, here 24 % of the needles of 2R′ = 0.1.
+    """
+    row = pressed(30, *[1.0] * 27, 30.0, 2.0)
+    row.grains |= dict(half_length=np.full(30, eta), cap_radius=np.full(30, 1 - eta))
+    ax = plot.packing(row, contacts="force")
+    thickness, mean = 2 * (1 - eta), 59 / 29
+    least = 0.2 / drawing.points_a_metre(ax) / thickness
+    assert grains_of(ax).get_linewidths()[0] <= 0.08 * thickness * drawing.points_a_metre(ax)
+    shown = widths_of(ax) / thickness
+    assert shown[0] == pytest.approx(max(0.08, least) / mean) and (eta < 0.9) == (least < 0.08)
+    assert shown[-1] == pytest.approx(0.4)
+
+
+def test_the_width_of_force_lines_is_an_option():
+    row = pressed(4, 1.0, 2.0, 3.0)
+    shown = widths_of(plot.packing(row, contacts="type", force_width=0.2))
+    assert shown == pytest.approx(0.2 * 2 * 0.5 * np.array([0.5, 1, 1.5]))
+    fixed = widths_of(plot.packing(row, contacts="type", force_width=0.2, reference_force=1))
+    assert fixed == pytest.approx(0.2 * np.array([1, 2, 3]))
+    black = forces_of(plot.packing(row, contacts="force", reference_force=2.5))[1]
+    assert len(black.get_paths()) == 1
+    for name in "force_width", "reference_force":
+        for bad in 0, -1, np.nan, "wide":
+            refused(f"{name} = ", plot.packing, row, contacts="force", **{name: bad})
+
+
+def test_lines_of_many_small_grains_do_not_fade():
+    ax = plot.packing(pressed(3000, *[1.0] * 2999), contacts="force")
+    assert widths_of(ax) * drawing.points_a_metre(ax) == pytest.approx(0.2)
+
+
+def texts_of(figure):
+    return [text.get_text() for text in figure.texts]
+
+
+@pytest.mark.parametrize("limits, length", [(((0, 0), (20, 10)), 2), (((0, 0), (4, 20)), 1),
+                                            (((0, 0), (2e-3, 1e-3)), 2e-4)])
+def test_the_length_scale_is_true(limits, length):
+    figure = (ax := plot.packing(packing(0.5), limits=limits)).figure
+    FigureCanvasAgg(figure).draw()
+    assert f"{length:g} m" in texts_of(figure)
+    (bar,) = [line for line in figure.findobj(matplotlib.lines.Line2D)
+              if line.get_marker() == "|" and line.axes is None]
+    pixels = bar.get_transform().transform(bar.get_xydata())[:, 0]
+    assert np.ptp(ax.transData.inverted().transform(np.c_[pixels, pixels])[:, 0]) == pytest.approx(
+        length, rel=1e-6)
+
+
+def test_the_key_of_forces_has_their_mean():
+    """Forces 1, 2 and 6 N/m; the lines of the key have the widths of 3 and 9 N/m."""
+    row = pressed(4, 1.0, 2.0, 6.0)
+    ax = plot.packing(row, contacts="force")
+    assert {r"up to $\langle f_n\rangle$ = 3 N/m", "above, here 9 N/m"} <= set(texts_of(ax.figure))
+    shown = [line.get_linewidth() for line in ax.figure.artists
+             if line.get_color() in (drawing.WEAK, drawing.STRONG)]
+    width = widths_of(ax)[0] * drawing.points_a_metre(ax)  # of 1 N/m
+    assert shown == pytest.approx([3 * width, 9 * width])
+    typed = plot.packing(row, contacts="type", reference_force=12.0)
+    assert "$f_n$ = 12 N/m" in texts_of(typed.figure)
+    assert not any("N/m" in text for text in texts_of(plot.packing(row).figure))
+    assert not plot.packing(row, contacts="force", legend=False).figure.texts
+
+
 @pytest.mark.parametrize("count", [1, 2, 10, 200])
 def test_lines_cover_no_grain_and_stay_in_the_picture(count):
     """Outlines of few large grains: at most 1/20 of the radius, no thicker than the margin."""
@@ -179,8 +252,9 @@ def test_texts_of_the_foot_do_not_overlap(color, contacts, wide):
 def test_the_label_of_a_scale_has_its_power(speed, power):
     """Without its power, grains at rest to rounding seem to move at 4 m/s."""
     row = frame(3, velocity=np.array([[0, 0, 0], [speed / 2, 0, 0], [speed, 0, 0]]))
-    (text,) = plot.packing(row, color="speed", contacts=None).figure.texts
-    assert power in text.get_text() if power else "10" not in text.get_text()
+    texts = texts_of(plot.packing(row, color="speed", contacts=None).figure)
+    (text,) = [text for text in texts if text.startswith("speed")]
+    assert power in text if power else "10" not in text
 
 
 def test_obstacles_are_in_the_picture_but_do_not_fill_it():
@@ -285,6 +359,21 @@ def test_film_of_networks(tmp_path, names, timed):
     assert len(middles) == 3
     assert np.diff(middles) == pytest.approx(np.diff(middles)[0], rel=0.05)
     assert middles[0] < middles[1]
+
+
+def test_a_film_has_one_scale_of_forces(tmp_path, monkeypatch):
+    """The second network has three times the forces of the first: ½ and 3/2 of the film's mean."""
+    for k in (1, 3):
+        network = packing(0.5, particles_=20, contacts=50, seed=1)
+        network.contacts["force"] = k * network.contacts["force"]
+        network.attributes["time"] = float(k)
+        network.save(tmp_path / f"network-{k}.h5")
+    drawn = []
+    add = drawing.add_forces
+    monkeypatch.setattr(drawing, "add_forces", lambda ax, lines, force, scale: drawn.append(
+        force.mean() / scale.force) or add(ax, lines, force, scale))
+    rcr.movie(tmp_path, contacts="force", dpi=30)
+    assert drawn[-2:] == pytest.approx([0.5, 1.5])
 
 
 def test_defaults_of_a_film_may_be_given(tmp_path):

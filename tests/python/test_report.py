@@ -1,6 +1,7 @@
 """Figures, maps, the report and scripts/network.py, on synthetic runs."""
 
 import base64
+import html
 import json
 import os
 import pathlib
@@ -16,12 +17,14 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from rcr.study import analysis, figures, report
+from rcr.study import analysis, claims, figures, report, report_text
 from rcr.study.figures import maps
-from rcr.study.figures.plot_style import color
+from rcr.study.figures.captions import CAPTIONS
+from rcr.study.figures.plot_style import color, xi_color
 from rcr.frame import Frame
 from rcr._pictures.grain_outlines import polygons
-from rcr.study.claims.statements import MAPS, STATEMENTS, nearest
+from rcr.study.claims import comparisons
+from rcr.study.claims.statements import ETAS, MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run
 
 from common import complaint, ended, refused
@@ -84,10 +87,121 @@ def test_table_and_report_are_complete(written):
     assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {7} and len(rows) > 40
     page = (written[0] / "report.html").read_text()
     sources = re.findall(r"""(?:src|href)=['"]([^'"]{1,30})""", page)
-    assert all(source.startswith(("data:image/", "#O")) for source in sources)
+    paper = "https://arxiv.org/abs/"
+    assert all(source.startswith(("data:image/", "#O", paper)) for source in sources)
     assert {f"id='{key}'" in page for key in STATEMENTS} == {True}
     image = re.search(r"data:image/png;base64,([^']+)", page).group(1)
     assert base64.b64decode(image).startswith(b"\x89PNG")
+
+
+def test_the_first_screen_says_what_was_done_and_what_came_out(written):
+    """Five sentences and four figures stand before the table; untested statements are folded."""
+    page = (written[0] / "report.html").read_text()
+    first, rest = page.split("<h2>Paper against measured</h2>")
+    sentences = [re.sub("<[^>]*>", "", s) for s in re.findall("<p class='lead'>(.*?)</p>", first)]
+    assert len(sentences) == 5 and first.count("<img") == 4
+    sheared, paper, outcome, certainty, critical = sentences
+    assert sheared.startswith("For each elongation η = 0 and 0.5 (0 is a disc") and (
+        "1 random packing (seed) of 100 grains" in sheared and "strains of 0.2 to 0.4" in sheared
+        and "an unknown rate" in sheared)
+    assert "Azéma and Radjaï, Force chains and contact network topology" in paper
+    assert "0.30 at η = 0 and 0.45 at η = 0.5 (paper: 0.30 and 0.45)" in outcome
+    assert re.search(r"standard error of sin φ is at most 0\.00\d", certainty)
+    assert "fewer than 3 packings" in certainty and "fewer than 1000 grains" in certainty
+    assert "critical state" in critical
+    shown, folded = rest.split("<details>")
+    assert "<td class='open'>not tested" not in shown
+    folded, _ = folded.split("</details>")
+    verdicts = re.findall("<td class='open'>([^<]*)</td>", folded)
+    assert len(verdicts) == 18 and set(verdicts) == {"not tested"}
+    assert folded.startswith("<summary>18 statements that are not tested")
+
+
+def test_every_figure_has_a_caption_that_says_what_it_plots(written):
+    page = (written[0] / "report.html").read_text()
+    assert list(CAPTIONS) == list(STATEMENTS)
+    for key, caption in CAPTIONS.items():
+        assert re.search(rf"<b>{key}</b> {re.escape(html.escape(caption))}<br>", page), key
+
+
+@pytest.mark.parametrize("rates, says", [
+    ([1e-4, 1e-4], "at an inertial number of 0.0001 (slow; inertia matters from about 1e-3 on)."),
+    ([2e-5, 1e-3], "at an inertial number of 2e-05 to 0.001 (inertia matters from about 1e-3 on)."),
+    ([None, None], "at an unknown rate.")])
+def test_the_rate_is_that_of_the_summaries(folders, result, rates, says):
+    runs = [Run.read(folder) for folder in folders]
+    for run, rate in zip(runs, rates):
+        run.summary = dict(inertial_number=rate)
+    assert report_text._sheared(runs, result).endswith(says)
+
+
+def with_approach(run, approach):
+    run.record = dict(parameters=dict(approach=approach), run="x")
+    return run
+
+
+@pytest.mark.parametrize("from_strain, approach, drifts, states, says", [
+    (0.2, 0.1, [(0.1, 0.05), (-0.1, 0.06)], ["reached", "reached"], "is reached at η = 0 and 0.5"),
+    (0.2, 0.1, [(0.1, 0.05), (-0.13, 0.06)], ["reached", "moves"],
+     "is not reached at η = 0.5, where the anisotropy a_c of the contacts still changes, by "
+     "-0.13 ± 0.06"),
+    (0.11, 0.1, [(0, 0.1), (0, 0.1)], ["reached", "reached"], "is reached"),
+    (0.1, 0.1, [(0, 0.1), (0, 0.1)], ["moves", "moves"],
+     "is not claimed: the averages begin before the slow part of the test, which begins at a "
+     "strain of 0.11"),
+    (0.05, 0, [(0, 0.1), (0, 0.1)], ["reached", "reached"], "is reached"),
+    (0.2, 0.1, [(np.nan, np.nan), (0.3, 0.1)], ["unknown", "moves"], "is unknown at η = 0"),
+])
+def test_the_critical_state_is_claimed_only_where_nothing_changes(
+        folders, result, from_strain, approach, drifts, states, says):
+    runs = [with_approach(Run.read(folder, from_strain=0.1), approach) for folder in folders]
+    for run in runs:
+        run.from_strain = from_strain
+    change, error = np.transpose(drifts)
+    value = dict(eta=np.array([0, 0.5]), a_c_drift=change, a_c_drift_error=error)
+    given = result | dict(O15=dict(value=value))
+    assert list(report_text.critical_states(runs, given).values()) == states
+    assert says in report_text._critical(runs, given)
+
+
+def test_unknown_errors_are_said_to_be_unknown(folders):
+    """One network has none: no error of the table may be 0."""
+    nan = np.nan
+    assert comparisons.format_largest([nan, nan]) == comparisons.format_errors(nan) == "unknown"
+    assert comparisons.format_largest([nan, 0.02], "°") == "≤ 0.02°, some unknown"
+    assert comparisons.format_largest([0.01, 0.02]) == "≤ 0.02"
+    runs = [Run.read(folder, from_strain=0.4) for folder in folders]
+    for run in runs:
+        run.history = None
+    table = claims.findings(analysis.analyse(runs))
+    errors = [row.error for row in table]
+    assert not [error for error in errors if "≤ 0" in error and "≤ 0." not in error]
+    assert sum("unknown" in error for error in errors) > 10
+
+
+def contrast_on_white(tint):
+    """Contrast ratio of WCAG 2.1 between a colour and white."""
+    part = np.array(tint[:3])
+    linear = np.where(part <= 0.03928, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)
+    return 1.05 / (linear @ [0.2126, 0.7152, 0.0722] + 0.05)
+
+
+def test_lines_are_legible_on_white():
+    """A ratio of 3, which WCAG asks of graphs; yellow has 1.1. Elongations remain distinct."""
+    etas = [color(eta) for eta in ETAS]
+    for tint in [*etas, color(0.9), *(xi_color(k, 4) for k in range(4))]:
+        assert contrast_on_white(tint) >= 3
+    distance = [np.linalg.norm(np.subtract(one, two)) for k, one in enumerate(etas)
+                for two in etas[:k]]
+    assert min(distance) > 0.08
+
+
+def test_polar_diagrams_of_small_packings_have_wide_bins(folders, tmp_path):
+    """400 contacts, 39 % of them below ξ = 0.5: 3 networks 472, at rest 400; 50 a bin."""
+    few = analysis.analyse([Run.read(folders[1])])
+    assert len(few["O14"]["value"]["theta"]) == len(few["O2"]["value"]["theta"]) == 8
+    many = analysis.analyse([Run.read(write_run(tmp_path / "a", 0.5, contacts=6000))])
+    assert len(many["O14"]["value"]["theta"]) == 36
 
 
 def test_one_small_packing_makes_the_verdicts_grey(written):
@@ -95,9 +209,9 @@ def test_one_small_packing_makes_the_verdicts_grey(written):
     made = {(eta, count): Run(pathlib.Path(f"{eta}"), [packing(eta, particles_=count)], 0.0)
             for eta in (0.0, 0.5) for count in (999, 1000, 3000)}
     large, others = made[0.5, 3000], [made[0.0, 1000], made[0.5, 1000]]
-    assert not report.has_small_packing([large, *others])
+    assert not report_text.has_small_packing([large, *others])
     for small in made[0.0, 999], made[0.5, 999]:
-        assert report.has_small_packing([large, *others, small])
+        assert report_text.has_small_packing([large, *others, small])
     page = (written[0] / "report.html").read_text()
     assert "fewer than 1000 grains" in page and not re.search("class='(yes|no)'", page)
 
@@ -130,15 +244,15 @@ def test_analysis_of_other_runs_takes_the_place_of_one(out, folders):
 def test_report_counts_missed_tolerances_and_has_the_cost_of_the_tests(folders):
     """Shares of 1 and 3 % of two seeds, 2 and 4 times the tolerance: (1 × 2 + 3 × 4)/4 = 3.5."""
     runs = [Run.read(folders[1]) for _ in range(2)]
-    assert report.unconverged_steps(runs).startswith("No summary.json counts")
-    assert report.cost(runs) == "No summary.json has the cost of its test."
+    assert report_text.unconverged_steps(runs).startswith("No summary.json counts")
+    assert report_text.cost(runs) == "No summary.json has the cost of its test."
     for run, share, mean, largest, minutes in zip(runs, (0.01, 0.03), (2.0, 4.0), (3.0, 9.0),
                                                   (2, 3)):
         run.summary = dict(missed_fraction=share, missed_mean=mean, missed_max=largest,
                            wall_seconds=60.0 * minutes, peak_memory_bytes=minutes * 2**29)
     expected = "η = 0.5: 2.0 %, by a factor of 3.5 in the mean, 9 at most."
-    assert expected in report.unconverged_steps(runs)
-    assert report.cost(runs) == (
+    assert expected in report_text.unconverged_steps(runs)
+    assert report_text.cost(runs) == (
         "The tests took 5.0 min of wall time in all and 3.0 min the longest one; their largest "
         "memory was 1.50 GiB.")
 
@@ -171,9 +285,9 @@ def test_records_and_networks_with_yielded_steps_are_left_out(folders, tmp_path)
     assert len(whole.networks) == 3 and len(whole.history["strain"]) == 101
     assert len(run.history["strain"]) == 99 and len(run.critical_stresses()) == 50
     count = "η = 0.5: 2, in 1 of 51 records, with 1 network(s)"
-    assert f"{count}. Their records and networks are left out" in report.yielded_steps([run])
-    assert f"{count}. Their records and networks count" in report.yielded_steps([whole])
-    assert report.yielded_steps([Run.read(folders[1])]).startswith("No history counts")
+    assert f"{count}. Their records and networks are left out" in report_text.yielded_steps([run])
+    assert f"{count}. Their records and networks count" in report_text.yielded_steps([whole])
+    assert report_text.yielded_steps([Run.read(folders[1])]).startswith("No history counts")
     every = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "every")
     refused("include them with --include-yielded", Run.read, every)
 

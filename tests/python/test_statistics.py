@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcr.study import statistics
+from rcr import statistics
 
 
 def power_sample(rng, beta, count, low=0.01):

@@ -207,3 +207,9 @@ def one_line(error):
         prefix = "" if name is None else f"{name if isinstance(name, int) else os.fsdecode(name)}: "
         return prefix + " ".join(error.strerror.split())
     return " ".join(str(error).split())[:500] or type(error).__name__
+
+
+def jsonable(item):
+    """Return arrays as lists and numbers that are not finite as None, for strict JSON."""
+    text = json.dumps(item, default=lambda array: array.tolist())
+    return json.loads(text, parse_constant=lambda name: None)

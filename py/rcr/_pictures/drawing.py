@@ -4,6 +4,9 @@ A packing takes a few collections: 13 000 grains take a second and stay vectors 
 functions make Figures without pyplot, so they need no display and leave no figure open.
 """
 
+import typing
+
+import matplotlib
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
@@ -13,7 +16,8 @@ from rcr._pictures.grain_outlines import polygons
 
 COLUMN, PAGE = 3.4, 7.0  # widths of a figure [in]
 LOWEST, TALLEST = 0.05, 9.0  # bounds of the height of a picture [in]
-LEGEND, FOOT = 5.5, 0.45  # smallest width of a picture with a legend below; its height [in]
+LEGEND, FOOT = 5.5, 0.45  # smallest width of a picture with keys below; their height [in]
+SCALE_ROW = 0.24  # height of the row above the keys, with the scales of length and force [in]
 STYLE = {
     "font.size": 8, "font.family": "sans-serif", "mathtext.fontset": "dejavusans",
     "axes.labelsize": 9, "axes.linewidth": 0.6, "axes.grid": False,
@@ -25,9 +29,10 @@ STYLE = {
     "pdf.fonttype": 42, "svg.fonttype": "none", "savefig.dpi": 300,
 }  # fmt: skip
 LARGEST = 24.0  # grain radius above which line widths stop growing [pt]; wider lines hide grains
-WIDTH = 0.16  # width of a segment with the mean force, over the mean radius [-]
-WIDEST = 0.8  # largest width of a segment, over the mean radius [-]
-EVEN = 1 + 1e-3  # largest weak force over the mean [-], above rounding and a tolerance of 1e-4
+FORCE_WIDTH = 0.08  # width of a segment with the mean force, over the mean thickness 2R′ [-]
+LEAST_WIDTH = 0.2  # the same, at least [pt]; thinner lines fade
+WIDEST = 5  # force over the mean above which the width stops growing [-]
+EVEN = 1 + 1e-3  # largest weak force over the reference [-], above rounding and a tolerance of 1e-4
 STRONG, WEAK, MOBILIZED = "black", "#d62728", "#ffd92f"
 TYPES = {"cap-cap": "#1f77b4", "cap-side": "#2ca02c", "side-side": "#d62728"}
 GRAIN, RATTLER, OBSTACLE = "#d9d9d9", "#f5f5f5", "#9c9c9c"
@@ -38,11 +43,20 @@ def resolution(dpi):
     return checks.number("dpi", dpi, "1 to 10000 pixels per inch", lambda v: 1 <= v <= 10_000)
 
 
-def page(limits, legend):
-    """Return Axes in a new Figure of the limits (2, 2) [m], with room for a `legend` below."""
+def save(figure, stem):
+    """Write a figure as `stem`.png and `stem`.pdf; return the paths."""
+    paths = [stem.with_name(f"{stem.name}.{suffix}") for suffix in ("png", "pdf")]
+    with matplotlib.rc_context(STYLE):
+        for path in paths:
+            figure.savefig(path)
+    return paths
+
+
+def page(limits, foot=0.0):
+    """Return Axes in a new Figure of the limits (2, 2) [m], above a `foot` of this height [in]."""
     smallest = 1e-9 * np.abs(limits).max() + 1e-300
     across, up = np.maximum(limits[1] - limits[0], smallest)
-    least, foot = (LEGEND, FOOT) if legend else (1, 0)
+    least = LEGEND if foot else 1
     body = min(max(PAGE * up / across, LOWEST), TALLEST)
     width, height = min(PAGE, max(body * across / up, least)), body + foot
     figure = Figure(figsize=(width, height))
@@ -70,8 +84,12 @@ def line_unit(ax, radius):
 
 
 def add_grains(ax, grains, unit, edge="0.5", **style):
-    """Add the outlines of grains, with lines of a twentieth of `unit`; return the collection."""
-    style |= dict(edgecolors=edge, linewidths=0.05 * points_a_metre(ax) * unit)
+    """Add the outlines of grains, with lines of a twentieth of `unit`; return the collection.
+
+    The lines of needles are thinner, at most 0.15 of the mean cap radius.
+    """
+    wide = min(0.05 * unit, 0.15 * grains["cap_radius"].mean()) if len(grains["id"]) else 0
+    style |= dict(edgecolors=edge, linewidths=points_a_metre(ax) * wide)
     corners = 30 if len(grains["id"]) < 1000 else 12  # per cap
     outlines = PolyCollection(polygons(grains, corners), **style)
     return ax.add_collection(outlines, autolim=False)
@@ -84,15 +102,38 @@ def add_segments(ax, lines, widths, **style):
     return ax.add_collection(LineCollection(lines, **style), autolim=False)
 
 
-def force_widths(force, unit):
-    """Return the widths of segments [m] for forces over their mean."""
-    return unit * np.minimum(WIDTH * force, WIDEST)
+class ForceScale(typing.NamedTuple):
+    """Widths of the segments of contacts."""
+
+    force: float  # reference force [N/m]
+    width: float  # of a segment with this force [m]
+    widest: float  # of any segment [m]
+    is_mean: bool = True  # whether the reference is the mean of the contacts drawn
+
+    def widths(self, force):
+        """Return the widths of segments [m] for forces [N/m]."""
+        return np.minimum(self.width * np.asarray(force) / self.force, self.widest)
 
 
-def add_forces(ax, lines, force, unit, scale=1.0):
+def force_scale(ax, frame, force, share=None, is_mean=True):
+    """Return the `ForceScale` of a reference force [N/m].
+
+    Its width is `share` of the mean thickness 2R′ of the grains. By default that is `FORCE_WIDTH`,
+    at least `LEAST_WIDTH` points, and lines of few large grains stop growing as in `line_unit`. The
+    widest segment has `WIDEST` times this share, so that it leaves needles visible.
+    """
+    thickness, points = 2 * frame.mean_cap_radius(), points_a_metre(ax)
+    if share is not None:
+        return ForceScale(force, share * thickness, WIDEST * share * thickness, is_mean)
+    usual = FORCE_WIDTH * min(thickness, 2 * LARGEST / points)
+    width = max(usual, LEAST_WIDTH / points)
+    return ForceScale(force, width, max(WIDEST * usual, width), is_mean)
+
+
+def add_forces(ax, lines, force, scale):
     """Add segments of the width of their force: strong ones black, above weak ones in red."""
-    widths = scale * force_widths(force, unit)
-    for pick, tint, layer in ((force <= EVEN, WEAK, 3), (force > EVEN, STRONG, 4)):
+    widths, weak = scale.widths(force), force <= EVEN * scale.force
+    for pick, tint, layer in ((weak, WEAK, 3), (~weak, STRONG, 4)):
         add_segments(ax, lines[pick], widths[pick], colors=tint, zorder=layer)
 
 

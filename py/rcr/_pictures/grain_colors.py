@@ -10,6 +10,7 @@ from matplotlib.colors import (Colormap, ListedColormap, Normalize, is_color_lik
 
 from rcr._data import checks
 from rcr._pictures.drawing import GRAIN
+from rcr.force_chains import force_chains
 
 # pale hues of an angle, on which black and red forces stand out
 HUES = ListedColormap(1 - 0.5 * (1 - matplotlib.colormaps["hsv"](np.linspace(0, 1, 256))), "hues")
@@ -33,6 +34,13 @@ def _orientation(frame):
     return np.ma.masked_where(disc, np.degrees(frame.grains["angle"]) % 180)
 
 
+def _chain_length(frame):
+    """Return the number of grains in the force chain of each grain, masked outside chains."""
+    chains = force_chains(frame)
+    length = np.append(chains.grains, 0)[chains.chain]
+    return np.ma.masked_where(chains.chain < 0, length)
+
+
 ANGLES = (0, 45, 90, 135, 180)
 SCALES = dict(
     orientation=Scale("long axis from $x$ [°]", _orientation, HUES, (0, 180), ANGLES),
@@ -42,7 +50,8 @@ SCALES = dict(
     pressure=Scale("pressure in the grain [Pa]",
                    lambda f: 0.5 * np.einsum("naa->n", f.stress_tensors()), "magma_r"),
     contacts=Scale("number of contacts with a force",
-                   lambda f: f.per_grain(f.normal_force() > 0), "YlGnBu"))
+                   lambda f: f.per_grain(f.normal_force() > 0), "YlGnBu"),
+    chain=Scale("grains in the force chain", _chain_length, "autumn_r"))
 CATEGORIES = dict(type="Rcr, disc, member of a clump",
                   shape="the colours of YADE's view, `particle(…, color=…)`")
 

@@ -19,8 +19,8 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
     Parameters
     ----------
     folder : path
-        Holds networks (``*.h5``), which are drawn in order of time with one scale of colours, or
-        pictures of `rcr.snapshot` (``*.png``), in order of name. The film shows all of them: empty
+        Holds networks (``*.h5``), which are drawn in order of time with one scale of colours and
+        forces, or pictures of `rcr.snapshot` (``*.png``), in order of name. The film shows all of them: empty
         the folder before another run. A ValueError reports neither kind, both kinds, or pictures of
         different sizes.
     path : path, optional
@@ -96,6 +96,9 @@ def _networks(paths, options):
     if scale is not None and scale.range is None and options.get("range") is None:
         values = np.concatenate([scale.values(frame) for frame in frames])
         options["range"] = (values.min(), values.max())
+    forces = np.concatenate([frame.normal_force() for frame in frames])
+    if options.get("reference_force") is None and (forces > 0).any():
+        options["reference_force"] = forces[forces > 0].mean()
     figure = packing(frames[0], limits=limits, **options).figure
 
     def draw(frame):

@@ -14,18 +14,17 @@
 `rcr.study.observables` has the rules of single observables.
 """
 
-import json
-
 import numpy as np
 
+from rcr._data.files import jsonable  # noqa: F401: part of this module's interface
 from rcr.frame import Frame
 from rcr.network import sin_phi
-from rcr.study import statistics
-from rcr.study.ensemble import Ensemble
+from rcr import statistics
+from rcr.ensemble import Ensemble
 from rcr.study.observables import MEASURES, Grids, measures
 from rcr.study.claims.statements import MAPS, STATEMENTS
 from rcr.study.runs import by_elongation
-from rcr.study.statistics import mean_of_finite, standard_error
+from rcr.statistics import mean_of_finite, standard_error
 
 WINDOW = 0.01  # strain over which stresses are averaged for the curve of sin φ
 SEEDS = 3  # number of seeds from which on errors are those over the seeds
@@ -50,7 +49,7 @@ def along_strain(history, strain):
 
 
 def strength(runs, ensemble, grids):
-    """Return sin φ of the critical state and along the strain, of the runs of one elongation."""
+    """Return the mean sin φ, and sin φ along the strain, of the runs of one elongation."""
     late = [run.critical_stresses() for run in runs]
     seeds = [sin_phi(stresses.mean(axis=0)) for stresses in late]
     blocks = [sin_phi(block.mean(axis=0)) for stresses in late
@@ -87,6 +86,12 @@ def compaction(runs, grids):
                        a_c_error=np.sqrt(2 / mean["contacts"] / len(states)))
 
 
+def isotropic_contacts(runs):
+    """Return the number of contacts between grains in the isotropic states; inf without any."""
+    states = [run.isotropic for run in runs if run.isotropic is not None]
+    return sum(int(state.between_particles.sum()) for state in states) or np.inf
+
+
 def isotropic(network, grids):
     """Return observables of one isotropic packing.
 
@@ -117,7 +122,7 @@ def analyse(runs):
     ensembles = {eta: Ensemble([network for run in group for network in run.networks])
                  for eta, group in groups.items()}
     last = max(float(run.networks[-1].attributes["strain"]) for run in runs)
-    grids = Grids.of(ensembles.values(), last)
+    grids = Grids.of(ensembles.values(), last, min(map(isotropic_contacts, groups.values())))
     named = grids.values()
     results = {eta: measures(e, grids, samples(groups[eta])) for eta, e in ensembles.items()}
     eta = np.array(list(groups))
@@ -136,9 +141,3 @@ def analyse(runs):
     values["O15"] |= stacked(lambda e: drift(groups[e]), {})
     return {key: dict(value=values[key], paper=paper, unit=unit)
             for key, (paper, unit) in STATEMENTS.items()}
-
-
-def jsonable(item):
-    """Return arrays as lists and numbers that are not finite as None, for strict JSON."""
-    text = json.dumps(item, default=lambda array: array.tolist())
-    return json.loads(text, parse_constant=lambda name: None)

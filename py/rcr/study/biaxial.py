@@ -87,7 +87,7 @@ class Biaxial:
     def strain(self):
         """(h₀ − h)/h₀ since the start of the shear; 0 before."""
         first = self.progress.get("first_height")
-        return 0.0 if first is None else (first - self.height) / first
+        return 0.0 if first is None else shearing.rounded((first - self.height) / first)
 
     @property
     def packing_fraction(self):
@@ -152,12 +152,6 @@ class Biaxial:
             if compaction.compact(self, balanced):
                 shearing.start(self)
             report(self)
-
-    @property
-    def strain_per_record(self):
-        """Strain of a record after the ramp [-]."""
-        duration = self.steps_per_record * O.dt
-        return shearing.top_speed(self) * duration / self.progress["first_height"]
 
     def shear_record(self):
         """Shear by one record; see `shear`."""

@@ -1,8 +1,7 @@
 """Observables O3 to O18, without the map O9, of one elongation. Needs NumPy, not YADE.
 
-* Exponents are maximum-likelihood fits: α to the forces above the mean, β to those from
-  `POWER_RANGE` of it up to it. ``_fit_error`` is the error of the fit. ``_tenth`` is β
-  from a tenth of the mean on, which shows the effect of the range.
+* Exponents are those of `rcr.distributions.exponents`. ``_fit_error`` is the error of the fit.
+  ``_tenth`` is β fitted from a tenth of the mean on, which shows the effect of the range.
 * Angular functions ⟨·⟩(θ, ξ) are means over the contacts of S(ξ) with a normal near θ. The paper's
   forms are fitted by least squares. Tangential components are along n turned by −90°: then
   ⟨f_t⟩ = ⟨f_n⟩ a_ft sin 2(θ − θσ) with a_ft > 0.
@@ -12,16 +11,17 @@
 
 import dataclasses
 import functools
+import math
 
 import numpy as np
 
+from rcr import distributions, statistics
+from rcr.distributions import over_mean
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
-from rcr.study import statistics
 
-POWER_RANGE = 0.01  # least force of the fit of β over the mean; the tolerance hides smaller forces
 SLACK = 0.01  # of the ranges of ℓ_r and ℓ/R_max, which overlaps and gaps exceed
+POLAR_CUTOFFS = 0.5, 1, 2  # ξ of the angular functions, beside infinity
 SAMPLE_STRIPS = 5  # vertical strips from wall to wall
-NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
 AXES = ("off_axis", "theta_sigma")  # angles with the period π
 
 
@@ -40,8 +40,14 @@ class Grids:
     xi_polar: np.ndarray  # the same of the angular functions
 
     @classmethod
-    def of(cls, ensembles, strain):
-        """Return grids that contain every force of the ensembles, up to a strain."""
+    def of(cls, ensembles, strain, contacts=math.inf):
+        """Return grids that contain every force of the ensembles, up to a strain.
+
+        `contacts` is the smallest number of contacts of other functions of θ; small packings have
+        wide bins of θ.
+        """
+        contacts = min(contacts, *(int(e.xi_networks.count(POLAR_CUTOFFS[0])) for e in ensembles))
+        angles = distributions.angular_bins(contacts)
         top = float(np.ceil(max(max(e.fn.max(), over_mean(np.abs(e.ft)).max()) for e in ensembles)))
         shortest = 1 - max(e.eta for e in ensembles)
         least = min(np.hypot(e.ln, e.lt).min() for e in ensembles)
@@ -51,9 +57,9 @@ class Grids:
             force=np.append(np.geomspace(1e-3, 1, 25), np.arange(1.25, top + 0.125, 0.25)),
             mobilization=np.linspace(0, 1, 21), reduced_length=1 + 0.01 * np.arange(-steps, 1),
             length=np.arange(np.floor(least / 0.05 + 1e-9), 41) * 0.05,
-            theta=np.linspace(0, np.pi, 37), strip=np.linspace(0, 1, SAMPLE_STRIPS + 1),
+            theta=np.linspace(0, np.pi, angles + 1), strip=np.linspace(0, 1, SAMPLE_STRIPS + 1),
             strain=np.linspace(0, strain, 201), xi=np.append(np.arange(0, min(8, top), 0.05), top),
-            xi_polar=np.array([0.5, 1, 2, top]))
+            xi_polar=np.array([*POLAR_CUTOFFS, top]))
 
     def values(self):
         """Return values and centres of bins, by their names in analysis.json."""
@@ -64,21 +70,13 @@ class Grids:
         return middles | dict(force=middle, strain=self.strain, xi=self.xi, xi_polar=self.xi_polar)
 
 
-def over_mean(force):
-    """Return f/⟨f⟩, or zeros if all forces are 0."""
-    mean = force.mean()
-    return force / mean if mean > 0 else force
-
-
 def force_distribution(force, edges, suffix):
     """Return the density of f/⟨f⟩, α above and β below the mean [eqs. strong_fn, strong_ft]."""
     force = over_mean(force)
-    alpha, alpha_error = statistics.exponential_rate(force)
-    beta, beta_error = statistics.power_exponent(force, POWER_RANGE)
-    tenth, _ = statistics.power_exponent(force, 0.1)
-    return {"pdf": statistics.density(force, edges), f"alpha_{suffix}": alpha,
-            f"alpha_{suffix}_fit_error": alpha_error, f"beta_{suffix}": beta,
-            f"beta_{suffix}_fit_error": beta_error, f"beta_{suffix}_tenth": tenth}
+    fit, tenth = distributions.exponents(force), distributions.exponents(force, 0.1)
+    return {"pdf": statistics.density(force, edges), f"alpha_{suffix}": fit.alpha,
+            f"alpha_{suffix}_fit_error": fit.alpha_error, f"beta_{suffix}": fit.beta,
+            f"beta_{suffix}_fit_error": fit.beta_error, f"beta_{suffix}_tenth": tenth.beta}
 
 
 def mean_mobilization(e, grids):
@@ -163,8 +161,8 @@ def contact_directions(e, grids):
 
 @functools.lru_cache(maxsize=1)
 def anisotropies(e, grids):
-    """Return {name: anisotropy (ξ,)} by `NAMES`."""
-    return dict(zip(NAMES, e.xi_networks.anisotropies(grids.xi)))
+    """Return {name: anisotropy (ξ,)} of `Anisotropies`."""
+    return e.xi_networks.anisotropies(grids.xi)._asdict()
 
 
 def vector_anisotropies(e, grids, vector):

@@ -102,6 +102,21 @@ def critical_start(end):
     return 0.5 * end
 
 
+def slow_strain(approach):
+    """Return the strain from which on the shear is slow: the approach, and the fall of the rate."""
+    return approach + PROTOCOL.slowing_strain * (approach > 0)
+
+
+def quick_averages(strain, approach, inertial_number):
+    """Return a warning if the averages of a test up to a strain begin before the slow shear."""
+    start, slow = critical_start(strain), slow_strain(approach)
+    if start >= slow - HALF_RECORD or inertial_number >= PROTOCOL.quick_inertial_number:
+        return ""
+    return (f"averages are over strains of {start:g} to {strain:g}, but the shear is slow from "
+            f"{slow:g} on only: they mix two rates; give --strain {2 * slow:g} or more, or a "
+            "smaller --approach")
+
+
 def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto",
                      threads=0, inertial_number=PROTOCOL.inertial_number,
                      time_step=PROTOCOL.time_step, law="cd", stiffness=PROTOCOL.stiffness,

@@ -14,7 +14,7 @@ import numpy as np
 
 from rcr._data import checks, files, run_folder
 from rcr.network import Network
-from rcr.study.ensemble import common_value
+from rcr.ensemble import common_value
 from rcr.study.protocol import HALF_RECORD, critical_start, is_critical
 
 _TWO_RUNS = "the folder mixes two runs; remove the files of one"

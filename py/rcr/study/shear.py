@@ -1,7 +1,8 @@
 """Shear of the biaxial test: the top wall closes at a given rate, σ₀ acts on the right wall.
 
 The top wall moves at the rate ε̇ = I/t₀ of the first height. The strain is (h₀ − h)/h₀. A record
-is 0.1 % of strain and gives a row of the history. Up to the strain `approach` the shear is quick:
+is 0.1 % of strain and gives a row of the history; after the ramp it ends at a multiple of this
+strain. Up to the strain `approach` the shear is quick:
 `Protocol.quick_inertial_number`. Beyond `approach`, the rate falls within `Protocol.slowing_strain`
 until ρ (v W/h)² ≤ `sample_inertia` σ₀ (v: speed of the top wall).
 Needs YADE.
@@ -134,24 +135,54 @@ def top_speed(test):
 
 
 def steps_per_record(test):
-    """Return the number of steps of a record."""
-    rate, _ = rate_and_step(test)
-    return max(1, round(PROTOCOL.record_strain * test.time_unit / (rate * O.dt)))
+    """Return the number of steps of a record of `Protocol.record_strain`, of the ramp or later."""
+    rate, step = rate_and_step(test)
+    if isinstance(test.solver, Springs):
+        step = O.dt / test.time_unit
+    return max(1, math.ceil(PROTOCOL.record_strain / (rate * step) - 1e-6))
+
+
+def next_record(test):
+    """Return the strain of the next record after the ramp, which ends at a multiple of it.
+
+    The first record after the ramp has 0.5 to 1.5 times `Protocol.record_strain`.
+    """
+    whole = PROTOCOL.record_strain
+    left = (math.floor(test.strain / whole + 0.5) + 1) * whole - test.strain
+    return whole if math.isclose(left, whole, rel_tol=1e-6) else left
+
+
+def _steps(test, ramp):
+    """Return the number of steps of the next record; set the time step.
+
+    The time step is the largest up to that of `rate_and_step` with which a record ends at its
+    strain. Springs keep theirs and end within half a step.
+    """
+    if ramp < 1:
+        return steps_per_record(test)
+    (rate, step), strain = rate_and_step(test), next_record(test)
+    if isinstance(test.solver, Springs):
+        return max(1, round(strain * test.time_unit / (rate * O.dt)))
+    count = max(1, math.ceil(strain / (rate * step) - 1e-6))
+    O.dt = strain / (rate * count) * test.time_unit
+    return count
 
 
 def _records_to(test, strain):
-    """Return the number of records at the present speed until the test has reached a strain."""
+    """Return the number of records until the test has reached a strain."""
     left = strain - HALF_RECORD - test.strain
-    return max(1, math.ceil(left / test.strain_per_record - 1e-6))
+    return max(1, math.ceil(left / PROTOCOL.record_strain - 1e-6))
 
 
 def _records_at_this_speed(test, most):
-    """Return the number of records, at most `most`, in which the top wall keeps its speed."""
+    """Return the number of records, at most `most`, with the same speed and length."""
+    if next_record(test) != PROTOCOL.record_strain:
+        return 1
     if is_approaching(test):
         return min(most, _records_to(test, test.parameters["approach"]))
     if _slowed(test) < 1:
         return 1
-    end = test.strain + most * test.strain_per_record
+    end = test.strain + most * PROTOCOL.record_strain
     # the margin is for the dilation until then
     return most if test.parameters["inertial_number"] < 0.8 * largest_rate(test, end) else 1
 
@@ -173,11 +204,16 @@ def shear(test, records, end=1):
         most = min(records, _records_to(test, end))
         together = _records_at_this_speed(test, most) if ramp == 1 else 1
         try:
-            test.step(steps_per_record(test), together)
+            test.step(_steps(test, ramp), together)
         finally:
             for record in test.records:
                 test.rows.append(history_row(test, record))
         records = 0 if test.has_reached(end) else records - together
+
+
+def rounded(strain):
+    """Return a strain without rounding errors, so that records lie exactly at 0.003, 0.004, …"""
+    return round(float(strain), 9)
 
 
 def history_row(test, record):
@@ -194,5 +230,5 @@ def history_row(test, record):
             f"the packing has blown up by step {record['step']}, strain {strain:.4g}: "
             f"packing fraction {fraction:.4g}, stresses of the walls {shown} σ₀; "
             "take a smaller time step, inertial number or tolerance")
-    found = record | dict(strain=strain, sin_phi=sin_phi(stresses), packing_fraction=fraction)
+    found = record | dict(strain=rounded(strain), sin_phi=sin_phi(stresses), packing_fraction=fraction)
     return {name: found[name] for name in HISTORY_COLUMNS}

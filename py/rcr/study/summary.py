@@ -68,12 +68,25 @@ def _geometry(test):
     first_width = test.area / (progress["packing_fraction_initial"] * first_height)
     along_width, along_height = test.sample_inertia()
     return dict(
-        inertial_number=parameters["inertial_number"], approach=parameters["approach"],
+        inertial_number=_mean_rate(test), approach=parameters["approach"],
         inertial_number_final=rate_and_step(test)[0],
         aspect_ratio_initial=first_width / first_height, aspect_ratio=test.width / test.height,
         sample_inertia=along_width, sample_inertia_height=along_height,
         unbalance_initial=progress["unbalance_initial"],
         stress_deviation_initial=progress["stress_deviation_initial"])
+
+
+def _mean_rate(test):
+    """Return the mean I of the records in the means, None without two records.
+
+    It is the change of the strain over that of the time, in units of t₀.
+    """
+    start = critical_start(test.strain)
+    first = next((k for k, row in enumerate(test.rows) if is_critical(row["strain"], start)), None)
+    if first is None or len(test.rows) < 2:
+        return None
+    one, last = test.rows[max(first - 1, 0)], test.rows[-1]  # a record begins at the one before
+    return (last["strain"] - one["strain"]) / (last["time"] - one["time"]) * test.time_unit
 
 
 def _work(test):

@@ -23,7 +23,7 @@ from rcr.network import Network
 from rcr.study import compaction
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, HISTORY_COLUMNS
-from rcr.study.protocol import PROTOCOL
+from rcr.study.protocol import PROTOCOL, quick_averages
 from rcr.study.runs import Run
 from rcr.study.shear import largest_rate
 from common import complaint
@@ -274,7 +274,7 @@ def test_damaged_checkpoints_are_refused(packing, tmp_path):
 
 def test_shear_is_fast_up_to_the_strain_approach(packing):
     """Wall speed and time step are those of I = 1e-3 up to it; faster tests stay as they are."""
-    for own, fast in (((2e-4, 0.4), (1e-3, 0.1)), ((2e-3, 0.05), (2e-3, 0.05))):
+    for own, fast in (((2.5e-4, 0.4), (1e-3, 0.1)), ((2e-3, 0.05), (2e-3, 0.05))):
         test = packing.sheared(0, inertial_number=own[0], time_step=own[1], approach=0.005,
                                sample_inertia=1)
         seen = {}
@@ -303,6 +303,48 @@ def test_summary_has_the_inertia_of_the_sample(packing):
     assert summary["sample_inertia_height"] == pytest.approx(expected / aspect**2, rel=1e-9)
     # at a constant area; the inertia at a given rate is inversely proportional to these squares
     assert largest_rate(test) ** 2 == pytest.approx(predicted**2, rel=0.05)
+
+
+@pytest.mark.parametrize("parameters", [
+    dict(), dict(approach=0.005, inertial_number=3e-4, time_step=0.3),
+    dict(approach=0, inertial_number=7e-4, time_step=0.13)])
+def test_records_lie_at_multiples_of_their_strain(packing, parameters):
+    """After the ramp and a first record, exactly, with the given time step at most."""
+    test = packing.sheared(0, **parameters)
+    while not test.has_reached(0.02):
+        test.shear_record()
+        assert O.dt <= max(0.1, parameters.get("time_step", 0)) * test.time_unit * (1 + 1e-9)
+    strains = [row["strain"] for row in test.rows]
+    after = [strain for strain in strains if strain > PROTOCOL.ramp_strain]
+    assert after[1:] == [k / 1000 for k in range(4, 21)] and after[0] < 0.003
+    assert test.strain == test.network().attributes["strain"] == test.summary()["strain"] == 0.02
+
+
+def test_the_inertial_number_of_the_summary_is_that_of_its_means(packing):
+    """The option is 1e-4; the means up to a strain of 0.02 are those of the quick shear."""
+    test = packing.sheared(0)
+    assert test.summary()["inertial_number"] is None
+    while not test.has_reached(0.02):
+        test.shear_record()
+    assert test.summary()["inertial_number"] == pytest.approx(1e-3, rel=1e-6)
+    mixed = packing.sheared(0, approach=0.005, inertial_number=5e-4, sample_inertia=1)
+    while not mixed.has_reached(0.02):
+        mixed.shear_record()
+    rates = np.array([(one["strain"] - two["strain"], one["time"] - two["time"])
+                      for one, two in zip(mixed.rows[1:], mixed.rows)
+                      if one["strain"] > 0.0095])
+    expected = rates[:, 0].sum() / rates[:, 1].sum() * mixed.time_unit
+    assert mixed.summary()["inertial_number"] == pytest.approx(expected, rel=1e-9)
+    assert 5e-4 < expected < 7e-4
+
+
+@pytest.mark.parametrize("strain, approach, rate, says", [
+    (0.2, 0.1, 1e-4, "averages are over strains of 0.1 to 0.2, but the shear is slow from 0.11 on "
+     "only: they mix two rates; give --strain 0.22 or more, or a smaller --approach"),
+    (0.22, 0.1, 1e-4, ""), (0.1, 0, 1e-4, ""), (0.2, 0.1, 1e-3, ""), (0.1, 0.09, 1e-4, "0.05 to")])
+def test_averages_of_quick_shear_are_warned_of(strain, approach, rate, says):
+    found = quick_averages(strain, approach, rate)
+    assert says in found and bool(found) == bool(says)
 
 
 def test_missed_tolerances_are_counted(packing):
@@ -394,7 +436,8 @@ script = functools.partial(forked.yade_script, SCRIPT)
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run") / "out"
-    script(*SMALL, "--out", folder)
+    done = script(*SMALL, "--out", folder)
+    assert "averages are over strains of 0.005 to 0.01, but the shear is slow from" in done.stderr
     return folder
 
 
@@ -515,7 +558,7 @@ def test_script_continues_to_a_larger_strain(done, tmp_path):
     script(*further, "--threads", "2", "--resume", "--out", done)
     script(*further, "--out", tmp_path / "straight")
     one, two = contents(done), contents(tmp_path / "straight")
-    for name in ("history.csv", "network-0.0196.h5"):
+    for name in ("history.csv", "network-0.0200.h5"):
         assert one[name] == two[name]
 
 

@@ -206,5 +206,6 @@ def test_point_of_the_rate_is_the_same_in_one_go_and_interrupted(tmp_path, monke
         quasi_static.run(name, options(tmp_path))
     (again,) = quasi_static.run(name, options(tmp_path))
     assert again | {"seconds": 0} == straight | {"seconds": 0}
-    assert again["inertial_number"] == 1e-3 and again["steps"] == pytest.approx(0.03 / 4e-4, abs=4)
+    # a record of 0.001 takes three steps of at most 4e-4
+    assert again["inertial_number"] == 1e-3 and again["steps"] == 30 * 3
     assert 0 < again["packing_fraction"] < 1

@@ -8,7 +8,7 @@ It raises `NotTested` where the data do not suffice.
 import numpy as np
 
 from rcr.study.observables import MEASURES
-from rcr.study.statistics import common_slope
+from rcr.statistics import common_slope
 
 SIGMAS = 2  # standard errors that a deviation may have by chance
 CLAIMS = []  # (observables, statement, criterion, function), in the order of registration
@@ -70,14 +70,14 @@ def rows_of(v, low, high, least=1):
 def at_xi_1(v, name):
     """Return values and errors at ξ = 1."""
     k = int(np.argmin(np.abs(v["xi"] - 1)))
-    return v[name][:, k], known(v[f"{name}_error"][:, k])
+    return v[name][:, k], v[f"{name}_error"][:, k]
 
 
 def minimum(v, name):
     """Return ξ, value and error of the lowest point of each function of ξ ≤ 6."""
     k = np.argmin(v[name][..., v["xi"] <= 6], axis=-1)
     place = (*np.indices(k.shape, sparse=True), k)
-    return v["xi"][k], v[name][place], known(v[f"{name}_error"][place])
+    return v["xi"][k], v[name][place], v[f"{name}_error"][place]
 
 
 def require_finite(values, reason="too few contacts"):
@@ -112,7 +112,7 @@ def trend(v, name, sign, low=0, high=1):
     first, last = require_finite(v[name][rows[[0, -1]]])
     low, high = v["eta"][rows[[0, -1]]]
     value = f"{first:.3g} → {last:.3g} (η = {low:g} → {high:g})"
-    return sign * slope > SIGMAS * error, value, f"slope {slope:.2g} ± {error:.1g}"
+    return sign * slope > SIGMAS * error, value, f"slope {slope:.2g} ± {format_errors(error)}"
 
 
 def is_monotonic(v, name, sign):
@@ -149,10 +149,14 @@ def list_by_eta(etas, values, digits=2):
 
 
 def format_errors(error):
-    """Return errors as a text, with ? for unknown ones."""
-    return ", ".join("?" if np.isnan(e) else f"{e:.1g}" for e in np.atleast_1d(error))
+    """Return errors as a text."""
+    return ", ".join("unknown" if np.isnan(e) else f"{e:.1g}" for e in np.atleast_1d(error))
 
 
-def format_largest(errors):
-    """Return the largest of the known errors as a text."""
-    return f"≤ {known(errors).max():.1g}"
+def format_largest(errors, unit=""):
+    """Return the largest error as a text, and whether some or all are unknown."""
+    errors = np.asarray(errors, float)
+    finite = errors[np.isfinite(errors)]
+    if not len(finite):
+        return "unknown"
+    return f"≤ {finite.max():.1g}{unit}" + (", some unknown" if len(finite) < errors.size else "")

@@ -5,7 +5,7 @@ import numpy as np
 from rcr.study.claims.comparisons import (
     SIGMAS, NotTested, at_both_ends, at_every_eta, claim, format_errors, is_within, list_by_eta,
     require_finite, row_of, rows_of, slope_of, trend)
-from rcr.study.statistics import pearson
+from rcr.statistics import pearson
 
 # --- strength and compaction ------------------------------------------------------------------
 

@@ -106,10 +106,11 @@ def draw(observable, analysis):
         return FIGURES[observable](analysis[observable]["value"], analysis)
 
 
-def save(figure, stem):
-    """Write a figure as `stem`.png and `stem`.pdf; return the paths."""
-    paths = [stem.with_name(f"{stem.name}.{suffix}") for suffix in ("png", "pdf")]
+SMALL = dict(  # observable: its figure on the first screen of the report
+    O1=_plain(plot_strength, legend=False), O3=_plain(plot_force_tail), O15=FIGURES["O15"])
+
+
+def draw_small(observable, analysis):
+    """Return the small figure of an observable (a key of `SMALL`)."""
     with matplotlib.rc_context(STYLE):
-        for path in paths:
-            figure.savefig(path)
-    return paths
+        return SMALL[observable](analysis[observable]["value"], analysis)

@@ -46,10 +46,10 @@ def plot_strain(value, ax):
 
 
 def plot_strength(value, ax):
-    """Draw sin φ of the critical state against η, with the paper's line [O1]."""
+    """Draw the mean sin φ against η, with the paper's line [O1]."""
     line = np.array([0, 0.7])
     ax.plot(line, 0.3 + 0.3 * line, color="0.5", ls="--", label=r"paper: $0.30 + 0.30\,\eta$")
-    _draw_by_eta(value, "sin_phi", ax, label="mean (second half)")
+    _draw_by_eta(value, "sin_phi", ax, label="mean over the strains")
     ax.set(ylabel=r"$\sin\varphi$", ylim=(0, None))
     ax.legend(loc="lower right")
     return ax

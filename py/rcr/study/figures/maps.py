@@ -12,8 +12,8 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize, to_rgba_array
 from matplotlib.lines import Line2D
 
-from rcr._pictures import drawing
-from rcr._pictures.drawing import GRAIN, MOBILIZED, RATTLER, STRONG, STYLE, TYPES, WEAK
+from rcr._pictures import drawing, keys
+from rcr._pictures.drawing import GRAIN, MOBILIZED, RATTLER, STYLE, TYPES
 from rcr._pictures.grain_colors import HUES, grain_colors
 from rcr.frame import Frame
 from rcr.network import SIDE_SIDE
@@ -24,18 +24,25 @@ def _canvas(network):
     frame = Frame.of(network)
     for columns in frame.grains, frame.contacts:
         columns["position"] = columns["position"] + frame.wrap(columns["position"])
-    return frame, drawing.page(frame.extent(), True)
+    return frame, drawing.page(frame.extent(), drawing.FOOT + drawing.SCALE_ROW)
 
 
 def _grains(frame, ax, colors, edge="0.5"):
     drawing.add_grains(ax, frame.grains, frame.mean_radius(), edge, facecolors=colors)
 
 
-def _forces(frame, ax, scale=1.0):
-    """Draw forces between grains."""
+def _forces(frame, ax):
+    """Draw forces between grains, with the scales of length and force."""
     pick = frame.between_grains
     force = frame.normal_force()[pick]
-    drawing.add_forces(ax, frame.segments()[pick], force / force.mean(), frame.mean_radius(), scale)
+    scale = drawing.force_scale(ax, frame, float(force.mean()))
+    drawing.add_forces(ax, frame.segments()[pick], force, scale)
+    _scales(ax, scale)
+
+
+def _scales(ax, scale=None):
+    """Add the scales of length and force above the legend."""
+    keys.add_scales(ax, drawing.FOOT + 0.5 * drawing.SCALE_ROW, scale)
 
 
 def _grey(frame):
@@ -48,6 +55,7 @@ def plot_packing(network):
     """Draw grains coloured by the orientation of their long axes, discs grey [O2]."""
     frame, ax = _canvas(network)
     _grains(frame, ax, _orientation_colors(frame), "0.2")
+    _scales(ax)
     return ax
 
 
@@ -76,7 +84,7 @@ def plot_nematic(network):
     chained = frame.per_grain(frame.contacts["type"] == SIDE_SIDE) > 0
     grey = to_rgba_array(_grey(frame))
     _grains(frame, ax, np.where(chained[:, None], _orientation_colors(frame), grey))
-    _forces(frame, ax, 0.7)
+    _forces(frame, ax)
     return ax
 
 
@@ -89,24 +97,23 @@ def plot_types(network):
         pick = types == code
         drawing.add_segments(ax, lines[pick], np.full(pick.sum(), 0.25 * frame.mean_radius()),
                              colors=tint, zorder=3 + code)
+    _scales(ax)
     return ax
 
 
-_FORCES = [dict(color=STRONG, lw=2, label=r"$f_n > \langle f_n\rangle$"),
-           dict(color=WEAK, lw=1, label=r"$f_n < \langle f_n\rangle$")]
 _DISC = dict(ls="", marker="o", ms=5, mfc=MOBILIZED, mec="0.3", mew=0.5,
              label=r"diameter $\propto I_m$")
-MAPS = dict(  # observable: (plot, lines of its legend, scale of orientations or not)
+MAPS = dict(  # observable: (plot, marks of its legend, scale of orientations or not)
     O2=(plot_packing, [], True),
-    O6=(plot_mobilization, [*_FORCES, _DISC], False),
-    O9=(plot_nematic, _FORCES, True),
+    O6=(plot_mobilization, [_DISC], False),
+    O9=(plot_nematic, [], True),
     O11=(plot_types, [dict(color=tint, lw=2, label=name) for name, tint in TYPES.items()], False),
 )
 
 
 def draw(observable, network):
     """Return the map of an observable (a key of `MAPS`), as wide as a page, a legend below."""
-    plot, keys, oriented = MAPS[observable]
+    plot, marks, oriented = MAPS[observable]
     eta = float(network.attributes["eta"])
     with matplotlib.rc_context(STYLE):
         figure = plot(network).figure
@@ -119,7 +126,7 @@ def draw(observable, network):
             bar.tick_params(labelsize=7, pad=1, top=False)
             figure.text(
                 0.59, 0.31 / height, "long axis from $x$ [°]", ha="right", va="center", fontsize=8)
-        if keys:
-            figure.legend(handles=[Line2D([], [], **key) for key in keys], loc="center left",
+        if marks:
+            figure.legend(handles=[Line2D([], [], **mark) for mark in marks], loc="center left",
                           bbox_to_anchor=(0.09, 0.2 / height), ncol=3, fontsize=8)
         return figure

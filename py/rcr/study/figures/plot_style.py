@@ -9,8 +9,8 @@ MARKERS = "osD^v<>p"
 
 
 def color(eta):
-    """Return the colour of an elongation, dark for discs."""
-    return matplotlib.colormaps["viridis"](0.93 * min(eta / max(ETAS), 1))
+    """Return the colour of an elongation, black for discs; each is legible on white."""
+    return matplotlib.colormaps["gnuplot"](0.75 * min(eta / max(ETAS), 1))
 
 
 def marker(eta):
@@ -19,8 +19,8 @@ def marker(eta):
 
 
 def xi_color(k, count):
-    """Return the colour of the k-th of `count` cutoffs ξ."""
-    return matplotlib.colormaps["inferno"](0.85 * k / max(count - 1, 1))
+    """Return the colour of the k-th of `count` cutoffs ξ; each is legible on white."""
+    return matplotlib.colormaps["inferno"](0.66 * k / max(count - 1, 1))
 
 
 def column(value, name):

@@ -1,4 +1,4 @@
-"""Contacts of several networks of one elongation, cumulated as the paper does. Needs NumPy."""
+"""Contacts of several networks, pooled with the forces of each over its mean. Needs NumPy."""
 
 import functools
 
@@ -9,13 +9,15 @@ from rcr.xi_networks import XiNetworks
 
 
 class Ensemble:
-    """Contacts between grains of networks of the same elongation and friction.
+    """Contacts between grains of several networks.
 
-    A ValueError says that there is no network, or that they differ, or have no friction.
+    The networks of a shear test have the attributes eta and friction; a ValueError says that there
+    is no network, or that they differ, or have no friction. With `any_scene` they need neither.
 
     Attributes
     ----------
-    eta, friction : floats [-]
+    eta : float
+        The attribute, or with `any_scene` the largest half_length/R of the grains [-].
     fn, ft : (C,) float arrays
         Components of the force over ⟨f_n⟩ of its network [-], t = n turned by +90°.
     ln, lt : (C,) float arrays
@@ -23,7 +25,7 @@ class Ensemble:
     reduced_length : (C,) float array
         ℓ_r = ℓ/(R₁ + R₂) [-].
     mobilization : (C,) float array
-        I_m = |f_t|/(µ f_n) [-].
+        I_m = |f_t|/(µ f_n) [-]; with `any_scene` NaN for a network in which it is unknown.
     angle : (C,) float array
         Direction of the normal from x, in [0, π) [rad].
     theta : (C,) float array
@@ -36,15 +38,18 @@ class Ensemble:
         Mean θσ, in [0, π) [rad].
     """
 
-    def __init__(self, networks):
+    def __init__(self, networks, any_scene=False):
         if not networks:
             raise ValueError("no networks: an ensemble needs at least one network")
         strange = [network for network in networks if not isinstance(network, Network)]
         if strange:
             raise ValueError(
                 f"{strange[0]!r:.60} is not a network; expected a result of rcr.Network.load")
-        self.eta, self.friction = (common_value(networks, name) for name in ("eta", "friction"))
-        parts = [_contacts(network) for network in networks]
+        if any_scene:
+            self.eta = max((n.particles["half_length"] / n.particles["R"]).max() for n in networks)
+        else:
+            self.eta, _ = (common_value(networks, name) for name in ("eta", "friction"))
+        parts = [_contacts(network, any_scene) for network in networks]
         for name in parts[0]:
             setattr(self, name, np.concatenate([part[name] for part in parts]))
         double_angles = [2 * network.stress_angle() for network in networks]
@@ -68,7 +73,7 @@ def common_value(networks, name):
     return found[0]
 
 
-def _contacts(network):
+def _contacts(network, any_scene):
     """Return the columns of `Ensemble` for one network."""
     n, _, branch, force = network.local_components()
     pick = network.between_particles
@@ -80,9 +85,17 @@ def _contacts(network):
     return dict(fn=force[:, 0] / mean, ft=force[:, 1] / mean, ln=branch[:, 0] / radius.max(),
                 lt=branch[:, 1] / radius.max(),
                 reduced_length=np.hypot(*branch.T) / (radius[one] + radius[two]),
-                mobilization=network.friction_mobilization(), angle=angle % np.pi,
+                mobilization=_mobilization(network, pick, any_scene), angle=angle % np.pi,
                 theta=angle - network.stress_angle(), type=network.contacts["type"][pick],
                 across=_across(network)[pick])
+
+
+def _mobilization(network, pick, any_scene):
+    """Return I_m of each contact between grains, (C,)."""
+    friction = network.contacts["friction"][pick]
+    if any_scene and not (friction > 0).all():
+        return np.full(len(friction), np.nan)
+    return network.friction_mobilization()
 
 
 def _across(network):
