@@ -58,7 +58,7 @@ TABLE = {
         ("no-scale-of-stopping", "std::max(impulse2, 1e-16 * stopping2)", "impulse2"),
     ],
     "problem/settings.hpp": [
-        ("kinematic-error-ignored", " && e.kinematicError <= kinematicTolerance;", ";"),
+        ("estimate-ignored", "&& errorEstimate <= accuracy;", ";"),
     ],
     "problem/solver.cpp": [
         ("islands-judged-together", "swept.islands.size() <= 1", "true"),
@@ -67,8 +67,10 @@ TABLE = {
         ("yielded-for-ever", "std::fill(problem.yielded.begin(), problem.yielded.end(), false);",
          ""),
         ("no-cold-start", "problem.impulse.assign(problem.points.size(), {}); // their", "//"),
-        ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
         ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),
+    ],
+    "problem/solve_auto.cpp": [
+        ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
     ],
     "problem/contact_problem.cpp": [
         ("one-id-unchecked", ">= bodies || std::size_t(c.body2) >= bodies", ">= bodies"),

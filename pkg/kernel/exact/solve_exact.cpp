@@ -27,6 +27,8 @@ namespace {
 	constexpr int pivotSweeps  = 20; // more sweeps per pivot of the path; they cost about a pivot
 	constexpr int maxPivots    = 2000; // of one path
 
+	constexpr double leastFall = 0.7; // of ‖d‖ in a step that does not diverge [-]
+
 	/// The best impulses so far: those that meet the limits, or with the smallest residual.
 	struct Best {
 		double                   residual, velocityError, errorEstimate;
@@ -104,12 +106,14 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
         if (settings.mayYield()) before = problem.impulse;
 	};
 	Report     report   = swept;
-	bool       mayGrow   = swept.shape.slim();
+	double     error2   = measuresOf(problem).error2; // ‖d‖² of the last impulses
 	const auto mustYield = [&] {
-		// the first step of a slim island follows few sweeps: its impulses may grow a lot
-		const bool grows = !mayGrow && settings.mayYield() && isDivergent(problem, before);
-		mayGrow          = false;
-		report.yielded   = settings.mayYield() && (exceedsEnergyBound(problem) || grows);
+		if (!settings.mayYield()) return false;
+		// impulses that grow and lower the error in the laws approach a solution
+		const double last = error2;
+		error2            = measuresOf(problem).error2;
+		const bool falls  = error2 < leastFall * leastFall * last;
+		report.yielded = exceedsEnergyBound(problem) || (!falls && isDivergent(problem, before));
 		return report.yielded;
 	};
 	report.iterations = 0, report.work = 0;

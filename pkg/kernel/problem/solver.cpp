@@ -5,23 +5,15 @@
 #include "problem/infeasibility.hpp"
 #include "problem/island_problem.hpp"
 #include "problem/residual.hpp"
+#include "problem/solve_auto.hpp"
 #include "sweep/packed_problem.hpp"
 
 namespace rcr {
 
 constexpr double exactBelow = 1e-6; // residual below which exact steps are faster [-]
-constexpr int    leastPatience = 300; // lower bound of patience()
-constexpr int    exactIterations = 10; // exact iterations that cost as much as patience()
-constexpr int    smallProblem = 1000; // points; all exact steps cost at most some hundred sweeps
-constexpr int    fineProblem  = 250;  // points; solved beyond the goal of a packing with friction
-constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
 // a test of divergence needs 20 iterations; later passes may be limited to ten
 constexpr int    minIterationsToProbe = 20;
 constexpr int    sweepsFromZero = 100; // they replace impulses that would add energy
-constexpr int    maxFineWork = 15000; // most exact iterations × points beyond the goal of an island
-constexpr int    slimSweeps  = 50; // of slim islands before exact steps, or half the diameter
-constexpr double slimAim = 0.1; // of the accuracy: errors of successive steps add up, and it is cheap
-constexpr int    moreIterations = 3; // per point and maxIterations, for slim islands at rest
 // a rigid contact may exceed yieldImpulse by this many impulses |b_n|/w_nn of its rebound
 constexpr double mostRebounds = 3;
 
@@ -29,14 +21,6 @@ static bool frictionless(const ContactProblem& problem)
 {
 	const auto isFrictionless = [](const ContactPoint& c) { return c.friction == 0; };
 	return std::all_of(problem.points.begin(), problem.points.end(), isFrictionless);
-}
-
-/// Sweeps without a new lowest residual after which exact steps pay off. Measured: an exact
-/// iteration costs 20 sweeps at 1000 points and 220 at 25 000.
-static int patience(std::size_t points)
-{
-	const double size = std::pow(double(points) / smallProblem, 0.75);
-	return std::max(leastPatience, int(exactIterations * sweepsPerExact * size));
 }
 
 /// Returns true if a point must yield, whether its island has converged or not.
@@ -131,24 +115,6 @@ static bool isTight(const ContactProblem& problem, const Settings& settings)
 	return settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem);
 }
 
-/// Sweeps before exact steps. They aim at the accuracy itself where exact steps may reach it.
-static Settings firstSweepsOfAuto(const Settings& settings, const IslandShape& shape)
-{
-	if (settings.tolerance == 0) return settings.forGoalOf(shape);
-	Settings sweeps    = settings;
-	sweeps.stallSweeps = patience(shape.points);
-	if (shape.slim()) {
-		sweeps.accuracy *= slimAim;
-		sweeps.maxIterations = std::min(
-		        std::max(slimSweeps, shape.diameter / 2), settings.maxIterations);
-		return sweeps;
-	}
-	if (shape.points > fineProblem) sweeps.accuracy = shape.goal(settings.accuracy);
-	if (shape.points <= smallProblem)
-		sweeps.maxIterations = std::min(leastPatience, settings.maxIterations);
-	return sweeps;
-}
-
 /// Sweeps of all islands together, the first stage of every solver.
 static Report sweepTogether(ContactProblem& problem, const std::string& solver,
         const Settings& settings, Workspace& workspace)
@@ -162,52 +128,6 @@ static Report sweepTogether(ContactProblem& problem, const std::string& solver,
 	Settings sweeps = settings;
 	sweeps.ofIsland = firstSweepsOfAuto;
 	return solveNesterov(problem, sweeps, workspace);
-}
-
-/// `auto` after the sweeps of an island, which have not converged.
-static Report continueAuto(ContactProblem& problem, const Settings& settings, const Report& swept,
-        Workspace& workspace)
-{
-	const int      points = int(problem.points.size());
-	const bool     slim = swept.shape.slim(), small = points <= smallProblem;
-	const Settings goal = settings.forGoalOf(swept.shape);
-	Report         report   = swept;
-	const auto     left     = [&] { return settings.maxIterations - report.iterations; };
-	const auto     runExact = [&](const Settings& limits, int iterations, int cost) {
-        Settings steps      = limits;
-        steps.sameProblem   = true;
-        steps.maxIterations = iterations;
-        steps.exactCost     = cost;
-        report              = solveExact(problem, steps, report, workspace);
-	};
-	if (slim) {
-		Settings aim = settings;
-		aim.accuracy *= slimAim;
-		const bool goesOn = settings.solutionExists && settings.maxIterations > slimSweeps;
-		const int  more   = goesOn ? moreIterations * settings.maxIterations : 0;
-		runExact(aim, left() + std::min(more, moreIterations * points), 1);
-	} else if (!small) {
-		runExact(goal, left(), 1);
-	} else {
-		const bool residualMet    = report.meetsResidual(settings);
-		int        fineIterations = left();
-		if (residualMet) { // limits the work of exact steps beyond the goal
-			fineIterations = std::min(left(), maxFineWork / points);
-			if (left() > fineIterations && !report.meets(goal)) {
-				Settings sweeps      = goal;
-				sweeps.sameProblem   = true;
-				sweeps.stallSweeps   = patience(points);
-				sweeps.maxIterations = left() - fineIterations;
-				report               = solveNesterov(problem, sweeps, workspace).plusCostOf(report);
-			}
-		}
-		const Settings& fine = points <= fineProblem ? settings : goal;
-		if (fineIterations > 0) runExact(fine, fineIterations, residualMet ? 1 : sweepsPerExact);
-		if (!report.yielded && left() > 0 && !report.meets(goal))
-			runExact(goal, left(), sweepsPerExact);
-	}
-	report.converged = report.meets(goal);
-	return report;
 }
 
 static bool takesExactSteps(const std::string& solver, const Settings& settings)

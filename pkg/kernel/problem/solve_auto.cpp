@@ -1,0 +1,86 @@
+#include "problem/solve_auto.hpp"
+
+#include <cmath>
+
+namespace rcr {
+
+constexpr int    leastPatience = 300; // lower bound of patience()
+constexpr int    exactIterations = 10; // exact iterations that cost as much as patience()
+constexpr int    fineProblem  = 250;  // points; solved beyond the goal of a packing with friction
+constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
+constexpr int    maxFineWork = 15000; // most exact iterations × points beyond the goal of an island
+constexpr int    slimSweeps  = 50; // of slim islands before exact steps, or half the diameter
+constexpr double slimAim = 0.1; // of the accuracy: errors of successive steps add up
+constexpr int    moreIterations = 3; // per point and maxIterations, for slim islands at rest
+
+/// Sweeps without a new lowest residual after which exact steps pay off. Measured: an exact
+/// iteration costs 20 sweeps at 1000 points and 220 at 25 000.
+static int patience(std::size_t points)
+{
+	const double size = std::pow(double(points) / smallProblem, 0.75);
+	return std::max(leastPatience, int(exactIterations * sweepsPerExact * size));
+}
+
+Settings firstSweepsOfAuto(const Settings& settings, const IslandShape& shape)
+{
+	if (settings.tolerance == 0) return settings.forGoalOf(shape);
+	Settings sweeps    = settings;
+	sweeps.stallSweeps = patience(shape.points);
+	if (shape.slim()) {
+		sweeps.accuracy *= slimAim;
+		sweeps.maxIterations = std::min(
+		        std::max(slimSweeps, shape.diameter / 2), settings.maxIterations);
+		return sweeps;
+	}
+	if (shape.points > fineProblem) sweeps.accuracy = shape.goal(settings.accuracy);
+	if (shape.points <= smallProblem)
+		sweeps.maxIterations = std::min(leastPatience, settings.maxIterations);
+	return sweeps;
+}
+
+Report continueAuto(ContactProblem& problem, const Settings& settings, const Report& swept,
+        Workspace& workspace)
+{
+	const int      points = int(problem.points.size());
+	const bool     slim = swept.shape.slim(), small = points <= smallProblem;
+	const Settings goal = settings.forGoalOf(swept.shape);
+	Report         report   = swept;
+	const auto     left     = [&] { return settings.maxIterations - report.iterations; };
+	const auto     runExact = [&](const Settings& limits, int iterations, int cost) {
+        Settings steps      = limits;
+        steps.sameProblem   = true;
+        steps.maxIterations = iterations;
+        steps.exactCost     = cost;
+        report              = solveExact(problem, steps, report, workspace);
+	};
+	if (slim) {
+		Settings aim = settings;
+		aim.accuracy *= slimAim;
+		const bool goesOn = settings.solutionExists && settings.maxIterations > slimSweeps;
+		const int  more   = goesOn ? moreIterations * settings.maxIterations : 0;
+		runExact(aim, left() + std::min(more, moreIterations * points), 1);
+	} else if (!small) {
+		runExact(goal, left(), 1);
+	} else {
+		const bool residualMet    = report.meetsResidual(settings);
+		int        fineIterations = left();
+		if (residualMet) { // limits the work of exact steps beyond the goal
+			fineIterations = std::min(left(), maxFineWork / points);
+			if (left() > fineIterations && !report.meets(goal)) {
+				Settings sweeps      = goal;
+				sweeps.sameProblem   = true;
+				sweeps.stallSweeps   = patience(points);
+				sweeps.maxIterations = left() - fineIterations;
+				report               = solveNesterov(problem, sweeps, workspace).plusCostOf(report);
+			}
+		}
+		const Settings& fine = points <= fineProblem ? settings : goal;
+		if (fineIterations > 0) runExact(fine, fineIterations, residualMet ? 1 : sweepsPerExact);
+		if (!report.yielded && left() > 0 && !report.meets(goal))
+			runExact(goal, left(), sweepsPerExact);
+	}
+	report.converged = report.meets(goal);
+	return report;
+}
+
+} // namespace rcr
