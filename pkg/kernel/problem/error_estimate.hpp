@@ -56,10 +56,12 @@ struct IslandShape {
 
 	/// Estimated error at which the island counts as solved [-]. Solutions of dense packings with
 	/// friction differ by 10 to 30 % among themselves.
-	double goal(double accuracy) const
+	double goal(double accuracy) const { return slim() ? accuracy : spreadGoal(accuracy); }
+	/// The same for any island.
+	double spreadGoal(double accuracy) const
 	{
 		constexpr double spread = 30; // of solutions, over the accuracy
-		return slim() || !frictional ? accuracy : spread * accuracy;
+		return frictional ? spread * accuracy : accuracy;
 	}
 	/// Error over residual of the smoothest error, at most [-].
 	double condition() const { return 10.0 * diameter * diameter; }

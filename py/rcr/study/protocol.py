@@ -79,7 +79,8 @@ class Protocol:
 
 
 PROTOCOL = Protocol()
-HALF_RECORD = 0.5 * PROTOCOL.record_strain  # deviation of a saved strain, at most
+# deviation of a saved strain, at most; the excess decides ties, which rounding would decide else
+HALF_RECORD = 0.5 * (1 + 1e-6) * PROTOCOL.record_strain
 ONE_RATE = dict(approach=0, sample_inertia=1)  # parameters of a shear at one rate
 
 
