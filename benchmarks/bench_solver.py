@@ -50,8 +50,7 @@ class Case:
     def solve(self, warm=False, **settings):
         start = self.delassus.impulse if warm else np.zeros((self.points, 2))
         if self.arrays is not None:
-            settings.update(self.arrays, impulse=start, accuracy=np.inf)
-            return kernel.solve(**settings)
+            return kernel.solve(**self.arrays | dict(accuracy=np.inf, impulse=start) | settings)
         d = self.delassus
         return kernel.solve_delassus(d.row_start, d.column, d.block.reshape(-1, 4), d.q, d.friction,
                                      start, **settings)
@@ -79,7 +78,9 @@ def sweep_rows(case, repeats, threads):
 
 
 def tolerance_rows(case, solver, warm, options, clock="processor_seconds", **settings):
-    """Time and iterations to each tolerance, from large to small, up to the first not reached."""
+    """Time, iterations and impulses to each tolerance, from large to small, up to the first not
+    reached.
+    """
     for tolerance in sorted(options.tolerances, reverse=True):
         run = partial(case.solve, warm, solver=solver, tolerance=tolerance,
                       max_iterations=options.max_iterations, **settings)
@@ -87,27 +88,29 @@ def tolerance_rows(case, solver, warm, options, clock="processor_seconds", **set
         reached = bool(found["residual"] <= tolerance)
         yield dict(case.about, solver=solver, start="warm" if warm else "cold", tolerance=tolerance,
                    iterations=found["iterations"], seconds=found[clock],
-                   residual=found["residual"], reached=reached,
+                   residual=found["residual"], reached=reached, impulse=found["impulse"],
                    residual_numpy=measure.residual_of(case.delassus, found["impulse"]))
         if not reached:
             return
 
 
 def siconos_rows(case, warm, options):
-    """Time and iterations of Siconos, which runs in its own Python."""
+    """Time, iterations and impulses of Siconos, which runs in its own Python."""
     d, program = case.delassus, os.path.join(ROOT, "benchmarks", "peers", "siconos_solve.py")
     rows, columns, values = d.entries()
     with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "problem.npz")
+        path, impulses = (os.path.join(folder, name) for name in ("problem.npz", "impulses.npy"))
         start = d.impulse if warm else np.zeros((case.points, 2))
         np.savez(path, rows=rows, columns=columns, values=values, q=d.q, friction=d.friction,
                  start=start)
         answer = outside.run([options.siconos, program, path, "--limit", str(options.limit),
+                              "--impulses", impulses,
                               "--tolerances", *map(str, options.tolerances)])
+        impulse = np.load(impulses)
     found = json.loads(answer.splitlines()[-1])  # Siconos may print lines before
-    for row in found["rows"]:
+    for row, p in zip(found["rows"], impulse):
         yield dict(case.about, peer="Siconos NSGS", start="warm" if warm else "cold", **row,
-                   reached=row["residual"] <= row["tolerance"], ns=found["ns"])
+                   reached=row["residual"] <= row["tolerance"], ns=found["ns"], impulse=p)
 
 
 def parallel_rows(case, options):

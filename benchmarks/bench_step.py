@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 
 import rcr._kernel as kernel
-from benchmarks import measure, outside, tables
+from benchmarks import measure, outside, tables, true_error
 from benchmarks import packing as packings
 from rcr import script
 from rcr.problems import BodyProblem
@@ -37,7 +37,7 @@ COLUMNS = dict(
     yade_step=("folder eta grains points threads way steps in_arrays ms ms_least iterations "
                "tolerance").split(),
     step=("packing shape grains points library start iterations ns covers ms "
-          "ms_without_iterations residual mean_overlap velocity_error").split(),
+          "ms_without_iterations residual velocities forces mean_overlap velocity_error").split(),
 )
 
 
@@ -54,8 +54,8 @@ def run_program(program, packing, options, iterations, steps):
 
 def accuracy(packing, outcome):
     """Errors of the contact laws after the last step of a library, over its own contacts and
-    impulses. `velocity_error` compares the velocities that follow with its own; overlaps are before
-    the step.
+    impulses: residual, and true error of velocities and forces (`benchmarks.true_error`).
+    `velocity_error` compares the velocities that follow with its own; overlaps are before the step.
     """
     table = np.array(outcome["contacts"]).reshape(-1, 12)
     bodies, normal = table[:, :2].astype(int), table[:, 2:4]
@@ -63,14 +63,16 @@ def accuracy(packing, outcome):
     normal = normal / np.hypot(*normal.T)[:, None]
     free = packing.free_velocity(np.array(outcome["before"]))
     problem = BodyProblem(packing.inverse_mass, free, bodies, normal, arm1, arm2, 0 * friction,
-                          friction, impulse).delassus()
+                          friction, impulse)
     impulses = measure.generalised(bodies, normal, arm1, arm2, impulse, len(free))
     after, stated = free + packing.inverse_mass * impulses, np.array(outcome["after"])
     overlap = -table[:, 11] - SKIN * (bodies < packing.grains).sum(1)
-    residual = measure.residual_of(problem, impulse)
+    residual = measure.residual_of(problem.delassus(), impulse)
+    arrays = problem.arrays()
     error = np.linalg.norm(stated - after) / max(np.linalg.norm(stated), 1e-300)
     return dict(points=len(table), residual=residual, velocity_error=float(error),
-                mean_overlap=float(np.maximum(0, overlap).mean()))
+                mean_overlap=float(np.maximum(0, overlap).mean()),
+                **true_error.true_error(arrays, arrays["impulse"]))
 
 
 def peer_rows(name, program, packing, options):
@@ -108,7 +110,7 @@ def our_rows(packing, options):
     """Rows of our solver on the contacts of our detector, cold."""
     problem = packing.problem(options.friction, 2 * SKIN)
     arrays = problem.arrays()
-    delassus = BodyProblem(**arrays).delassus()
+    delassus = BodyProblem(**arrays).delassus()  # the points have the order of the arrays
     for solver in "nlgs", "nesterov":
         solve = partial(kernel.solve, **arrays, solver=solver, accuracy=np.inf,
                         workspace=kernel.Workspace())
@@ -118,7 +120,8 @@ def our_rows(packing, options):
                                                  max_iterations=options.iterations))
         residual = measure.residual_of(delassus, found["impulse"])
         yield dict(points=problem.contacts, library=f"rcr {solver}", start="cold", covers="solver",
-                   ns=ns, residual=residual, **step_times(
+                   ns=ns, residual=residual, **true_error.true_error(arrays, found["impulse"]),
+                   **step_times(
                        found["processor_seconds"], 1e-9 * ns * problem.contacts, options))
 
 

@@ -28,6 +28,8 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("problem", help="arrays rows, columns, values, q, friction, start; .npz")
     parser.add_argument("--tolerances", type=float, nargs="+", required=True)
+    parser.add_argument("--impulses", required=True, metavar="FILE",
+                        help="impulses at these residuals, (tolerances, contacts, 2), .npy")
     parser.add_argument("--limit", type=float, default=10, help="limit of processor time [s]")
     return parser.parse_args()
 
@@ -53,7 +55,8 @@ def nsgs(data, matrix, tolerances, limit):
         seconds += time.process_time() - start
         iterations += piece
         reached = residual(matrix, q, friction, p.reshape(-1, 2))
-        found = dict(iterations=iterations, seconds=seconds, residual=reached)
+        found = dict(iterations=iterations, seconds=seconds, residual=reached,
+                     impulse=p.reshape(-1, 2).copy())
         while pending and reached <= pending[0]:
             rows.append(dict(tolerance=pending.pop(0), **found))
     rows += [dict(tolerance=t, **found) for t in pending]
@@ -75,6 +78,7 @@ def main():
     matrix.indices, matrix.indptr = matrix.indices.astype(np.int64), matrix.indptr.astype(np.int64)
     sn.numerics_set_verbose(0)
     rows, cost = fastest(lambda: nsgs(data, matrix, options.tolerances, options.limit))
+    np.save(options.impulses, [row.pop("impulse") for row in rows])
     print(json.dumps(dict(rows=rows, ns=1e9 * cost)))
 
 

@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 from benchmarks import bench_solver, measure
 from benchmarks import packing as packings
-from benchmarks import points_of_sides
+from benchmarks import points_of_sides, true_error
 
 
 def lattice(count=25, seed=3):
@@ -86,6 +86,62 @@ def test_lattice_is_one():
     assert (~inner).sum() == 2 * side + side // 2 + (side + 1) // 2
 
 
+# --- benchmarks/true_error.py
+
+def on_floor(mass, impulse):
+    """Discs of radius 1 that touch a smooth floor (body 0), free velocity 1 m/s downwards."""
+    count = len(mass)
+    inverse = np.concatenate([np.zeros((1, 3)), np.tile(1 / np.array(mass)[:, None], 3)])
+    zeros, vectors = np.zeros(count), np.zeros((count, 2))
+    return problems.BodyProblem(
+        inverse_mass=inverse, free_velocity=np.where(inverse > 0, [0, -1.0, 0], 0),
+        bodies=np.column_stack([0 * zeros, 1 + np.arange(count)]).astype(int),
+        normal=vectors + [0, 1], arm1=vectors, arm2=vectors + [0, -1], bias=zeros, friction=zeros,
+        impulse=np.column_stack([impulse, zeros])).arrays()
+
+
+def test_true_error_by_hand():
+    """Impulses m v; errors of 0.1 N s at the masses 1 and 4 kg change v by 0.1 and 0.025 m/s."""
+    problem = on_floor([1.0, 4.0], [1.1, 4.1])
+    found = true_error.true_error(problem, problem["impulse"])
+    assert found["velocities"] == pytest.approx(np.sqrt(0.1**2 + 4 * 0.025**2) / np.sqrt(1 + 4))
+    assert found["forces"] == pytest.approx(np.sqrt(2 * 0.1**2) / np.sqrt(1 + 16))
+    assert true_error.spread(problem)["velocities"] < 1e-9, "one solution"
+    problem["free_velocity"] += [3.0, 0, 0]  # another frame
+    assert true_error.true_error(problem, problem["impulse"]) == pytest.approx(found)
+
+
+def test_cells_see_errors_of_one_sign_only():
+    """Errors of opposite sign cancel in a cell that contains both grains."""
+    problem = on_floor([1.0, 1.0, 1.0], [1.1, 0.9, 1.0])
+    position = np.array([[0, 0], [0, 0], [2.0, 0], [8.0, 8.0]])
+    cells = lambda: true_error.true_error(problem, problem["impulse"], position)
+    assert cells()["cells_2"] < 1e-9 and cells()["cells_8"] == pytest.approx(np.sqrt(0.02 / 3))
+    problem["impulse"][1, 0] = 1.1
+    # momenta of the cells: 0.2 with the mass 2, and 2 and 1 in the solution
+    assert cells()["cells_2"] == pytest.approx(np.sqrt(0.2**2 / 2 / (2**2 / 2 + 1)))
+
+
+def test_spread_of_a_disc_that_friction_may_hold():
+    """Between two rough walls the warm start is a solution that holds; from zero it falls."""
+    problem = on_floor([1.0], [10.0]) | dict(friction=np.ones(2))
+    for name in "bodies", "arm1":
+        problem[name] = np.repeat(problem[name], 2, 0)
+    problem["normal"] = np.array([[1.0, 0], [-1.0, 0]])
+    problem["arm2"], problem["bias"] = -problem["normal"], np.zeros(2)
+    problem["impulse"] = np.array([[10.0, 0.5], [10.0, -0.5]])  # t: upwards, downwards
+    assert true_error.true_error(problem, problem["impulse"])["forces"] < 1e-9
+    assert true_error.spread(problem)["forces"] == pytest.approx(1)
+
+
+def test_impulses_without_a_reference_have_no_true_error(monkeypatch):
+    """One iteration reaches no solution of a packing."""
+    problem = problems.load(ROOT / "tests" / "data" / "shear-500-eta-0.7.npz").arrays()
+    assert true_error.true_error(problem, problem["impulse"])["velocities"] > 1e-3
+    monkeypatch.setitem(true_error.REFERENCE, "max_iterations", 1)
+    assert true_error.true_error(problem, problem["impulse"]) == true_error.spread(problem) == {}
+
+
 # --- scripts/bench_solver.py
 
 def bench(script, *arguments, out, code=0):
@@ -126,7 +182,9 @@ def test_bench_solver_writes_its_tables(files):
 def test_bench_solver_compares_with_siconos(files):
     found = (1e-3, 10, 2.0, 5e-4), (1e-6, 20, 4.0, 2e-6)
     rows = [dict(zip(("tolerance", "iterations", "seconds", "residual"), row)) for row in found]
+    np.save(files / "found.npy", np.zeros((2, 71, 2)))
     siconos = answer(files / "answer", rows=rows, ns=100.0)
+    siconos.write_text(siconos.read_text() + f"cp '{files / 'found.npy'}' \"$6\"\n")
     peers = bench("bench_solver.py", files / "small.npz", "--only", "tolerances", "--solvers",
                   "exact", "--tolerances", "1e-3", "1e-6", "--siconos", siconos, *FAST,
                   out=files / "out")("peers")
@@ -232,6 +290,7 @@ def test_bench_step_writes_its_table(packing, tmp_path):
     assert [row["library"] for row in ours] == ["rcr nlgs", "rcr nesterov"] and len(others) == 6
     for row in others:
         assert float(row["residual"]) < 1e-15 and float(row["velocity_error"]) < 1e-15
+        assert float(row["velocities"]) < 1e-9 and float(row["forces"]) < 1e-9
         assert float(row["mean_overlap"]) == pytest.approx(0.003 - 0.001) and row["points"] == "1"
 
 
@@ -250,6 +309,7 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name, librar
     cold, warm = (row for row in rows if row["library"].startswith(library))
     for row in cold, warm:
         assert float(row["velocity_error"]) < rounding and float(row["residual"]) < residual
+        assert float(row["velocities"]) < max(10 * residual, 1e-7)  # `exact` ends at 1e-9
     assert name == "box2d_v3" or int(cold["points"]) == 17
 
 
