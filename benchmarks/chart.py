@@ -1,14 +1,17 @@
 """Draw charts of error against time and of stability, each as CSV, PNG and SVG.
 
-a  one step: residual against time of every solver, warm and cold; Siconos, Chipmunk and Box2D if
+a  one step: true error against time of every solver, warm and cold; Siconos, Chipmunk and Box2D if
    they are installed
 b  scenes with a known answer: error against time, over dt and tolerance or over stiffness
-c  biaxial test: errors of its observables against time for 20 % of strain
+c  biaxial test: true errors of its steps and errors of its observables against time for 20 % of
+   strain
 d  hard scenes: hold, drift or blow up, over dt and law
 e  biaxial test: changes of the observables by rate, time step and solver; takes hours, not in the
    default
 f  a column that collapses: time, sweeps and memory over the number of grains, up to 10^6; takes
    hours and 10 GB of memory, not in the default
+g  estimates of the error of a solve against its true error
+h  where methods fail: scenes with a known momentum or base force, over the number of bodies
 
 A CSV has one row a point, with the command that repeats it. Points that it has for the same
 settings are not run again, so an interrupted call resumes. A larger --limit repeats points that ran
@@ -37,8 +40,8 @@ def arguments():
     add = parser.add_argument
     add("--out", type=script.folder, required=True, metavar="DIR",
         help="folder of the charts, made if missing")
-    add("--charts", nargs="+", choices=list(charts.NAMES), default=list("abcd"), metavar="C",
-        help="some of a b c d e f (default: a b c d; e needs --limit 3600, f 7200)")
+    add("--charts", nargs="+", choices=list(charts.NAMES), default=list("abcdgh"), metavar="C",
+        help="some of a b c d e f g h (default: all but e and f; e needs --limit 3600, f 7200)")
     add("--quick", action="store_true",
         help="smaller packings, fewer points: up to ten minutes on two cores")
     add("--only", metavar="POINT",
@@ -130,8 +133,9 @@ def draw(letter, given, options):
         with files.atomic_path(f"{base}.{suffix}") as partial:
             figure.savefig(partial, dpi=110, bbox_inches="tight")
     found = [row for row in table.rows if row["status"] == "ok"]
-    if hasattr(module, "ratios"):
-        print("\n".join(map(" | ".join, module.ratios(found))))
+    for name in charts.TABLES:
+        if hasattr(module, name):
+            print("\n".join(map(" | ".join, getattr(module, name)(found))))
     failed = len(table.rows) - len(found)
     print(f"{base}.png: {len(table.rows)} rows"
           + (f", {failed} without numbers (column status)" if failed else ""))

@@ -6,7 +6,7 @@ Each module of this package is a chart:
     run(name, options)          rows (dicts) of one point; most have one
     plot(rows, options)         the figure
     ratios(rows)                rows of a table that compares methods (not in d), from rows with
-                                numbers
+                                numbers; `TABLES` names further tables
     COLUMNS                     columns of the CSV between `point` and `command`
     DEPENDS                     names of the `Options` that its numbers depend on
 
@@ -22,7 +22,11 @@ from rcr.study.protocol import PROTOCOL
 
 GIVEN_UP = "given up after "  # status of a point that reached its time limit; seconds follow
 NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability", e="quasi_static",
-             f="size")
+             f="size", g="estimate", h="known_forces")
+TABLES = "ratios", "residuals", "default_steps", "true_errors"  # functions of tables
+SOLVERS = "nlgs", "sor", "nesterov", "exact", "auto"
+COLORS = dict(zip((*SOLVERS, "Siconos NSGS", "Chipmunk", "Box2D"),
+                  "C0 C9 C1 C3 k C2 C4 C5".split()))  # of methods and programs
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,20 +1,25 @@
-"""Chart c. The biaxial test to 20 % of strain: errors of its observables against processor time.
+"""Chart c. The biaxial test to 20 % of strain: true errors of its steps and errors of its
+observables against processor time.
 
 All runs of one elongation and seed start from the same frictionless packing (rigid contacts,
 `Biaxial.compact`), with the loads and walls of scripts/biaxial.py. Observables are means over
 strains of 10 to 20 %: q/p and packing fraction over all records, the others over one network a per
 cent. Energies come from a further per cent with O.trackEnergy, over the work of the walls. Laws:
 
-    cd       ContactDynamics, over dt/t₀, tolerance and rate, one of them at a time
+    cd       ContactDynamics, over dt/t₀, tolerance, accuracy and rate, one of them at a time
     smooth   Law2_RcrGeom_FrictPhys_CundallStrack, over k_n/σ₀, as with `--law smooth`
     stock    YADE without this plugin: Law2_ScGeom_FrictPhys_CundallStrack, over k_n/σ₀ of a sphere,
              local damping 0.2. Clumps of spheres of the cap radius, every R'/2 along the core, have
              the mass and inertia of the grain.
 
 The error of a setting is the mean over seeds of its difference from the reference of the same
-packing: rigid contacts with the shortest step and the smallest tolerance, for rates the slowest
-one. Its error bar is the standard deviation of the differences over √seeds; smaller differences are
-noise.
+packing: rigid contacts with the shortest step and the smallest tolerance and accuracy, for rates
+the slowest one. Its error bar is the standard deviation of the differences over √seeds; smaller
+differences are noise.
+
+The true error of a step (`benchmarks.true_error`) is the mean over one step a per cent of strain.
+Such a step is solved again, with its settings and warm start. The spread of the solutions is the
+mean of the same steps; the band is the mean over all tests of an elongation.
 """
 
 import math
@@ -25,8 +30,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from yade.wrapper import Omega
 
-from benchmarks import charts
+from benchmarks import charts, true_error
 from benchmarks.charts.yade_clumps import Stock
+from rcr import _kernel as kernel
+from rcr._yade.last_problem import last_problem
 from rcr.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import ONE_RATE, PROTOCOL
@@ -39,19 +46,22 @@ TITLES = dict(sin_phi="q/p", packing_fraction="packing fraction", friction_mobil
               friction_share="share of the work that friction takes",
               mean_overlap="mean overlap [d]", energy_error="work unaccounted for")
 OBSERVED = tuple(TITLES)
-ERRORS = "mean_overlap", "energy_error"  # errors themselves, without a reference
-SETTING = "law", "dt", "tolerance", "inertial_number", "stiffness"
-COLUMNS = ["eta", "particles", *SETTING, "seed", "steps", "seconds", *OBSERVED]
+TRUE = dict(velocities="velocities", forces="forces", cells_8="8 × 8 cells", cells_2="2 × 2 cells")
+SPREADS = tuple(f"spread_{name}" for name in TRUE)
+ERRORS = "mean_overlap", "energy_error", *TRUE, *SPREADS  # errors themselves, without a reference
+SETTING = "law", "dt", "tolerance", "accuracy", "inertial_number", "stiffness"
+COLUMNS = ["eta", "particles", *SETTING, "seed", "steps", "seconds", *OBSERVED, *TRUE, *SPREADS]
 DEPENDS = "quick", "particles", "protocol"
 ETAS = 0.0, 0.5
 STRAIN, FROM, LOOK, ACCOUNT = 0.2, 0.1, 0.01, 0.01
 RATE = 1e-3
-DEFAULT = dict(dt=0.1, tolerance=1e-4, inertial_number=RATE)  # one setting at a time differs
-FINEST = dict(dt=0.05, tolerance=1e-5, inertial_number=RATE)  # reference
+DEFAULT = dict(dt=0.1, tolerance=1e-4, accuracy=0.01, inertial_number=RATE)  # one differs
+FINEST = dict(dt=0.05, tolerance=1e-5, accuracy=1e-3, inertial_number=RATE)  # reference
 SLOWEST = dict(DEFAULT, inertial_number=5e-4)  # reference of rates
 SWEEPS = dict(dt=(0.4, 0.2, 0.1, 0.05), tolerance=(1e-2, 1e-3, 1e-4),
-              inertial_number=(4e-3, 2e-3, RATE))
+              accuracy=(math.inf, 0.1, 0.01, 1e-3), inertial_number=(4e-3, 2e-3, RATE))
 MAX_ITERATIONS = 1000  # of a step, enough to reach the tolerance
+LEAST = 5e-3  # lower edge of the panel of true errors [-]
 SLIDING = 0.99  # smallest I_m of a sliding contact
 
 
@@ -68,9 +78,9 @@ def compacted(eta, seed, options):
 
 # ---- the chart
 
-def _sheared(test):
-    """Shear to 20 % of strain; returns means over the second half."""
-    seconds, networks, overlaps, look = 0.0, [], [], FROM + LOOK
+def _sheared(test, rigid):
+    """Shear to 20 % of strain; returns means over the second half, `rigid`: with true errors."""
+    seconds, networks, overlaps, steps, look = 0.0, [], [], [], FROM + LOOK
     while not test.has_reached(STRAIN):
         start = time.process_time()
         test.shear_record()
@@ -81,6 +91,8 @@ def _sheared(test):
             networks.append((mobilization.mean(), (mobilization > SLIDING).mean(),
                              network.anisotropies(1.0)[0]))
             overlaps.append(test.overlaps().mean())
+            if rigid:
+                steps.append(_errors_of_last_step(test))
             look += LOOK
     late = [row for row in test.rows if row["strain"] > FROM]
     mean = lambda name: float(np.mean([row[name] for row in late]))
@@ -88,7 +100,24 @@ def _sheared(test):
     found = dict(zip(names, map(float, np.mean(networks, axis=0))))
     found |= dict(sin_phi=mean("sin_phi"), packing_fraction=mean("packing_fraction"),
                   mean_overlap=float(np.mean(overlaps)), seconds=seconds)
-    return found | _energies(test)
+    return found | _means(steps) | _energies(test)
+
+
+def _errors_of_last_step(test):
+    """True errors of the last step and the spread of its solutions; {} without a reference."""
+    solver, problem = test.solver, last_problem(test.solver).arrays()
+    position = np.array([body.state.pos for body in O.bodies])[:, :2]
+    found = kernel.solve(**problem, solver=solver.solver, tolerance=solver.tolerance,
+                         accuracy=solver.accuracy, max_iterations=solver.maxIterations)
+    spread = true_error.spread(problem, position)
+    return (true_error.true_error(problem, found["impulse"], position)
+            | {f"spread_{name}": value for name, value in spread.items()})
+
+
+def _means(steps):
+    """Means over the steps that have the value."""
+    values = {name: [step[name] for step in steps if name in step] for name in (*TRUE, *SPREADS)}
+    return {name: float(np.mean(found)) for name, found in values.items() if found}
 
 
 def _energies(test):
@@ -125,10 +154,10 @@ def _accounts():
 
 
 def points(options):
-    """Names eta/law/setting/seed; the setting of rigid contacts is dt/tolerance/rate."""
+    """Names eta/law/setting/seed; that of rigid contacts is dt/tolerance/accuracy/rate."""
     rigid = [FINEST, SLOWEST, *(dict(DEFAULT, **{name: value})
                                 for name, values in SWEEPS.items() for value in values)]
-    settings = dict.fromkeys(f"cd/{s['dt']:g}/{s['tolerance']:g}/{s['inertial_number']:g}"
+    settings = dict.fromkeys("/".join(["cd", *(f"{value:g}" for value in s.values())])
                              for s in rigid)
     stiffnesses = (1e2, 1e3) if options.quick else (1e2, 1e3, 1e4)
     springs = [f"{law}/{k:g}" for law in ("smooth", "stock") for k in stiffnesses]
@@ -143,24 +172,27 @@ def points(options):
 def run(name, options):
     eta, law, *setting, seed = name.split("/")
     row = dict(eta=float(eta), particles=options.particles, law=law, seed=int(seed))
-    keys = ("dt", "tolerance", "inertial_number") if law == "cd" else ("stiffness", )
+    keys = tuple(DEFAULT) if law == "cd" else ("stiffness", )
     row.update(zip(keys, map(float, setting)))
     test = compacted(row["eta"], row["seed"], options)
+    test.parameters["inertial_number"] = row.get("inertial_number", RATE)
     first = O.iter
     if law == "smooth":
         test.switch_to_springs(row["stiffness"])
     elif law == "stock":
         test, first = Stock(test, row["stiffness"]), 0
     else:
-        test.parameters.update(time_step=row["dt"], inertial_number=row["inertial_number"])
-        test.solver.tolerance, test.solver.maxIterations = row["tolerance"], MAX_ITERATIONS
-    return [dict(row, **_sheared(test), steps=O.iter - first)]
+        test.parameters["time_step"] = row["dt"]
+        test.solver.tolerance, test.solver.accuracy = row["tolerance"], row["accuracy"]
+        test.solver.maxIterations = MAX_ITERATIONS
+    return [dict(row, **_sheared(test, law == "cd"), steps=O.iter - first)]
 
 
 def _difference(runs, target, name):
     """Processor time [s], mean difference from the target, if any, its standard error or NaN."""
     exact = lambda seed: 0 if name in ERRORS else target[seed][name]
-    differences = [row[name] - exact(seed) for seed, row in runs.items() if seed in target]
+    differences = [row[name] - exact(seed) for seed, row in runs.items()
+                   if seed in target and isinstance(row.get(name), float)]
     if not differences:
         return None
     seconds = np.mean([row["seconds"] for row in runs.values()])
@@ -188,25 +220,35 @@ def sweeps(rows, name):
 
 
 LABELS = dict(dt="rigid, dt/t₀ = 0.4 … 0.05", tolerance="rigid, tolerance 1e-2 … 1e-4",
+              accuracy="rigid, accuracy ∞ … 1e-3",
               inertial_number="rigid, I = 4e-3 … 1e-3",
               smooth="springs on RCRs, k_n/σ₀ = 10², 10³ …",
               stock="YADE's clumps, k_n/σ₀ = 10², 10³ …")
-STYLES = dict(dt=("0", "o", "-"), tolerance=("0", "s", "--"), inertial_number=("0", "^", ":"),
+STYLES = dict(dt=("0", "o", "-"), tolerance=("0", "s", "--"),
+              accuracy=("C3", "P", "-"), inertial_number=("0", "^", ":"),
               smooth=("0.55", "D", "-"), stock=("0.55", "v", "--"))
 
 
 def plot(rows, options):
     rows = [row for row in rows if row["status"] == "ok"]
-    figure = Figure(figsize=(9, 2.6 * len(OBSERVED)))
-    for line, name in zip(figure.subplots(len(OBSERVED), len(ETAS), sharex="col"), OBSERVED):
+    titles = {"velocities": "true error of velocities in a step [-]"} | TITLES
+    figure = Figure(figsize=(9, 2.6 * len(titles)))
+    for line, name in zip(figure.subplots(len(titles), len(ETAS), sharex="col"), titles):
         for ax, eta in zip(line, ETAS):
-            _draw_sweeps(ax, sweeps([row for row in rows if row["eta"] == eta], name))
+            chosen = [row for row in rows if row["eta"] == eta]
+            _draw_sweeps(ax, sweeps(chosen, name))
             ax.set(xscale="log", yscale="log")
-            title = TITLES[name] if name in ERRORS else "error of " + TITLES[name]
+            if name == "velocities":
+                seconds = [row["seconds"] for row in chosen] or [1, 10]
+                width = 0.8 * min(seconds), 1.25 * max(seconds)  # axhspan would include 1e-3 s
+                ax.fill_between(width, LEAST, max(LEAST, _mean_spread(chosen)), color="0.88", lw=0,
+                                label="spread of the solutions")
+                ax.set_xlim(width)
+            title = titles[name] if name in ERRORS else "error of " + TITLES[name]
             ax.set_title(f"η = {eta:g}: {title}", fontsize=10)
             ax.grid(alpha=0.3)
             if name != "mean_overlap":
-                ax.set_ylim(bottom=1e-4)
+                ax.set_ylim(bottom=LEAST if name == "velocities" else 1e-4)
             if name == OBSERVED[-1]:
                 ax.set_xlabel("processor time [s]")
     figure.tight_layout(rect=(0, 0, 1, 0.95))
@@ -214,8 +256,17 @@ def plot(rows, options):
     return figure
 
 
+def _mean_spread(rows):
+    """Spread of the velocities of solutions, mean over all tests that have one [-]."""
+    found = [row["spread_velocities"] for row in rows
+             if isinstance(row.get("spread_velocities"), float)]
+    return float(np.mean(found)) if found else 0.0
+
+
 def _draw_sweeps(ax, lines):
     for swept, points in lines.items():
+        if not points:
+            continue
         _, seconds, difference, error = np.array(points).reshape(-1, 4).T
         color, marker, dashes = STYLES[swept]
         size, above = np.abs(difference), np.nan_to_num(error)
@@ -230,11 +281,31 @@ def _formatted(name, difference, error):
     return f"{difference:+.1g}" + ("" if math.isnan(error) else f" ± {error:.0e}")
 
 
+NAMES = dict(dt="dt/t₀ = {:g}", tolerance="tolerance {:.0e}", accuracy="accuracy {:g}",
+             inertial_number="I = {:g}")  # of the settings of rigid contacts
+
+
+def true_errors(rows):
+    """Table of the true errors of steps by setting, and of the spreads of their solutions."""
+    yield ["η", "setting", "seconds", *TRUE.values(), "spread of velocities", "spread of forces"]
+    shown = *TRUE, "spread_velocities", "spread_forces"
+    for eta in ETAS:
+        chosen = [row for row in rows if row["eta"] == eta]
+        for swept, values in SWEEPS.items():
+            for value in values:
+                of = [row for row in chosen
+                      if all(row.get(name) == wanted
+                             for name, wanted in dict(DEFAULT, **{swept: value}).items())]
+                means = [[row[name] for row in of if isinstance(row.get(name), float)]
+                         for name in ("seconds", *shown)]
+                yield [f"{eta:g}", NAMES[swept].format(value),
+                       *(f"{np.mean(cells):.2g}" if cells else "unknown" for cells in means)]
+
+
 def ratios(rows):
     """Table of the errors of each setting, with standard errors, and its processor time."""
     yield ["setting", "seconds", *TITLES.values()]
-    names = dict(dt="dt/t₀ = {:g}", tolerance="tolerance {:.0e}", inertial_number="I = {:g}",
-                 smooth="springs, k_n/σ₀ = {:.0e}", stock="clumps, k_n/σ₀ = {:.0e}")
+    names = NAMES | dict(smooth="springs, k_n/σ₀ = {:.0e}", stock="clumps, k_n/σ₀ = {:.0e}")
     for eta in ETAS:
         chosen = [row for row in rows if row["eta"] == eta]
         of_eta = {name: sweeps(chosen, name) for name in OBSERVED}

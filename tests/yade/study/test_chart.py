@@ -9,7 +9,9 @@ import forked
 import numpy as np
 import pytest
 from benchmarks import chart, charts
-from benchmarks.charts import biaxial_cost, deterministic, one_step, quasi_static, size
+from benchmarks import true_error
+from benchmarks.charts import (biaxial_cost, deterministic, estimate, known_forces, one_step,
+                               quasi_static, size)
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
 from common import answer, refused
@@ -62,6 +64,15 @@ def test_a_point_of_one_step_runs(tmp_path):
     assert {row["start"] for row in rows} == {"cold", "warm"}
     assert all(row["library"] == "auto" and row["seconds"] > 0 for row in rows)
     assert min(row["residual"] for row in rows) < 1e-4
+    assert all(0 <= row["velocities"] < 1.5 for row in rows if "velocities" in row)
+    (spread,) = one_step.run("250/0/spread", options(tmp_path))
+    stops = one_step.run("250/0/default", options(tmp_path))
+    assert [row["start"] for row in stops] == ["cold", "warm"] and spread["velocities"] > 0
+    found = [dict(row, status="ok") for row in (*rows, spread, *stops)]
+    assert one_step.plot(found, OPTIONS).axes
+    for table in one_step.ratios, one_step.residuals, one_step.default_steps:
+        header, *lines = table(found)
+        assert lines and all(len(line) == len(header) for line in lines)
     count = 250
     before, after = np.zeros((count + 4, 3)), np.zeros((count + 4, 3))
     before[0, 1] = -1
@@ -85,6 +96,54 @@ def test_cost_over_the_number_of_grains():
                                             ["nlgs", "1000"]]
     assert all(len(line) == len(header) for line in lines)
     assert len(size.plot(rows, OPTIONS).axes) == 3
+
+
+def one_step_row(library, seconds, error, start="cold"):
+    return dict(library=library, particles=500, eta=0.0, start=start, seconds=seconds,
+                velocities=error, forces=error and error / 2, residual=0.1)
+
+
+def test_times_to_true_errors_count_above_the_spread_only():
+    """auto needs 1 s to 0.25 and 2 s to 0.05, nlgs 3 s and 8 s; solutions differ by 0.2."""
+    rows = [one_step_row("auto", 1.0, 0.25), one_step_row("auto", 2.0, 0.05),
+            one_step_row("nlgs", 3.0, 0.25), one_step_row("nlgs", 8.0, 0.05),
+            one_step_row("nlgs", 0.5, ""),  # without a reference solution
+            one_step_row(one_step.SPREAD, "", 0.2)]
+    by_error = {line[0]: line[1] for line in list(one_step.ratios(rows))[1:]}
+    assert by_error["0.3"] == "3 – 3 (1)" and by_error["0.1"] == by_error["0.03"] == ""
+    rows[-1]["velocities"] = rows[-1]["forces"] = 1e-9  # one solution
+    assert {line[0]: line[1] for line in one_step.ratios(rows)}["0.1"] == "4 – 4 (1)"
+
+
+def test_where_methods_fail():
+    """Of 100 bodies, Gauss–Seidel misses the answer and says so; auto finds it."""
+    for scene in known_forces.SCENES:
+        (right,), (wrong,) = (known_forces.run(f"{scene}/100/{method}", OPTIONS)
+                              for method in ("auto", "nlgs"))
+        assert right["error"] < 0.01 and right["converged"], scene
+        assert wrong["error"] > 0.3 and not wrong["converged"], scene
+        header, *lines = known_forces.ratios([right, wrong])
+        assert [scene in line[0] for line in lines] and all(len(line) == 3 for line in lines)
+    assert len(known_forces.plot([dict(right, status="ok")], OPTIONS).axes) == 10
+
+
+def test_estimates_of_a_column_and_their_table():
+    """Impulses of the column are known, so its true errors are their errors."""
+    rows = estimate.run("column/10/0/1", OPTIONS)
+    assert {row["start"] for row in rows} == {"cold", "warm"}
+    assert {row["stop"] for row in rows} == {*estimate.SWEEPS, "auto"}
+    column = estimate._first_step("column", 10)
+    heights = np.argsort(np.argsort(column["bodies"].max(1)))  # of the points, upwards
+    mass = 1 / column["inverse_mass"][:, 0].max()
+    exact = mass * 9.81e-3 * np.column_stack([10 - heights, 0 * heights])
+    assert true_error.solution(column, 0 * exact) == pytest.approx(exact, abs=1e-6)
+    error = lambda estimated, true: dict(scene="row", stop=20.0, estimate=estimated,
+                                         velocities=true, forces=true / 2)
+    rows = [error(0.1, 0.1), error(0.25, 0.1), error(0.35, 0.1), error(0.009, 0.1), error(2, 0.1),
+            error(1, 1e-4)]  # the last one is too small to count
+    _, (*_, number, close, below, above, median, of_small, met) = estimate.ratios(rows)
+    assert (number, close, below, above) == ("5", "40.0 %", "20.0 %", "20.0 %")
+    assert (median, of_small, met) == ("2.5", "50.0 % (4)", "no")
 
 
 def error(name):
@@ -132,6 +191,22 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
     network = stock.network()  # of one step; walls give averages
     assert np.diag(network.stress()) == pytest.approx(stock.mean_stresses, rel=0.15)
     assert 0 < network.friction_mobilization().mean() <= 1
+
+
+def test_true_errors_of_a_step_of_the_biaxial_test(tmp_path):
+    """Solved again, the step has its residual; a smaller accuracy lowers its true error."""
+    test = biaxial_cost.compacted(0.5, 1, options(tmp_path))
+    found = {}
+    for accuracy in math.inf, 1e-4:
+        test.solver.accuracy = accuracy
+        for _ in range(3):
+            test.shear_record()
+        found[accuracy] = biaxial_cost._errors_of_last_step(test)
+        assert set(found[accuracy]) == {*biaxial_cost.TRUE, *biaxial_cost.SPREADS}
+    assert found[1e-4]["velocities"] < 0.1 * found[math.inf]["velocities"]
+    rows = [dict(biaxial_cost.DEFAULT, law="cd", eta=0.5, seconds=1.0, **found[1e-4])]
+    lines = [line for line in biaxial_cost.true_errors(rows) if line[0] == "0.5"]
+    assert sum("unknown" not in line for line in lines) == len(biaxial_cost.SWEEPS)
 
 
 @pytest.mark.parametrize("law, most", [("cd", 1e-12), ("smooth", 1e-3), ("stock", 0.02)])
