@@ -114,8 +114,9 @@ def _agreement(rows):
     close, below, above = np.mean(close_to), np.mean(ratio < TENTH), np.mean(ratio > 1 / TENTH)
     met = "yes" if close >= LEAST_SHARE and below == 0 else "no"
     of_small = close_to[[row["estimate"] < 1 for row in rows]]
-    return [*(f"{100 * share:.1f} %" for share in (close, below, above)),
-            f"{np.median(ratio):.2g}", f"{100 * np.mean(of_small):.1f} % ({len(of_small)})", met]
+    share = lambda found: f"{100 * found:.1f} %"
+    return [*map(share, (close, below, above)), f"{np.median(ratio):.2g}",
+            f"{share(np.mean(of_small))} ({len(of_small)})" if len(of_small) else "", met]
 
 
 TRUE, ESTIMATED = np.array([1e-6, 10]), np.array([1e-6, 100])  # axes [-]

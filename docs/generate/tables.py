@@ -41,11 +41,11 @@ def measured(name):
             for row in rows if row.get("status", "ok") == "ok"]
 
 
-def ratios(chart, name, shown=lambda row: True, columns=None):
+def ratios(chart, name, shown=lambda row: True, columns=None, printed="ratios"):
     """Table of a chart, as scripts/chart.py prints it, without rows that are not `shown`.
-    `columns`: titles; None: all.
+    `columns`: titles; None: all. `printed`: the function that makes it.
     """
-    header, *rows = charts.chart(chart).ratios(measured(name))
+    header, *rows = getattr(charts.chart(chart), printed)(measured(name))
     chosen = [header.index(title) for title in columns or header]
     plain = lambda match: f"{float(match[0]):g}"  # 1e+03 as 1000
     short = lambda cell: re.sub(r"(\d(?:\.\d+)?)e\+0*(\d+)", plain, cell)
@@ -236,7 +236,14 @@ def counterparts():
 
 
 TABLES = {
-    "one-step": lambda: ratios("a", "a-one-step", lambda row: float(row[0]) >= 1e-6),
+    "one-step": lambda: ratios("a", "a-one-step", lambda row: any(row[1:])),
+    "one-step-residual": lambda: ratios("a", "a-one-step", lambda row: float(row[0]) >= 1e-6,
+                                        printed="residuals"),
+    "one-step-default": lambda: ratios("a", "a-one-step", lambda row: float(row[0]) <= 500,
+                                       printed="default_steps"),
+    "biaxial-steps": lambda: ratios("c", "c-biaxial-cost", printed="true_errors"),
+    "estimate": lambda: ratios("g", "g-estimate"),
+    "known-forces": lambda: ratios("h", "h-known-forces", lambda row: row[1] in ("nlgs", "auto")),
     "size": lambda: ratios("f", "f-size"),
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
