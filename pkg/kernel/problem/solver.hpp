@@ -119,11 +119,8 @@ Report solveYielding(ContactProblem&, const Settings&, Workspace&);
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
 /// tolerance below 1e-6, sweeps run to a residual of 1e-5, and exact steps follow. An island of up
 /// to 1000 points gets exact steps after 300 sweeps. An exact iteration of such an island counts as
-/// 20 sweeps, or as one if the residual already meets its tolerance. Such an island is also solved
-/// with a velocityFloor that is 1000 times smaller, at limited cost. `converged` and the kinematic
-/// error refer to the given floor.
-///
-/// A stretching cell is swept with momentum, except by nlgs and sor.
+/// 20 sweeps, or as one if the residual already meets its tolerance. Slim islands get exact steps
+/// after fewer sweeps (solve_auto.hpp).
 ///
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.
