@@ -33,7 +33,8 @@ struct Report {
 	IslandShape         shape;   // of an island
 	std::vector<Report> islands; // of each island
 
-	/// Returns true if the residual and the velocity error meet their tolerances. Tolerance 0 is never met.
+	/// Returns true if the residual and the velocity error meet their tolerances. Tolerance 0 is
+	/// never met.
 	bool meetsResidual(const Settings& s) const { return s.areMet(residual, velocityError, 0); }
 
 	/// Returns true if residual and estimated error meet their limits. The residual 0 meets the
