@@ -6,6 +6,7 @@ namespace rcr {
 
 constexpr double slowestRate  = 0.75; // of s: the change is at least a third of the error
 constexpr double velocityFit  = 0.7;  // factor of e_v
+constexpr double frictionalFit = 1.4, frictionlessFit = 0.27; // factors c
 constexpr double leastChange2 = 1e-4; // of ‖v − v_free‖_M² over ‖p‖_w²
 
 /// ‖v − v_free‖_M², at least that of bodies at rest.
@@ -14,20 +15,21 @@ static double velocityScale2(double velocity, double impulse)
 	return std::max(velocity, leastChange2 * impulse);
 }
 
-double errorFromChange(const IterateChange& c, double residualRatio)
+double errorFromChange(const IterateChange& c, double residualRatio, bool frictional)
 {
 	if (c.impulse == 0) return c.error == 0 ? 0 : unknownError;
 	const double rate   = std::min(std::sqrt(residualRatio), slowestRate);
 	const double left   = std::sqrt(c.impulseChange) * rate / (1 - rate);
 	const double forces = left / std::sqrt(c.impulse);
 	const double scale  = std::sqrt(velocityScale2(c.velocity, c.impulse));
-	return std::max(forces, velocityFit * std::sqrt(std::sqrt(c.error) * left) / scale);
+	const double velocities = velocityFit * std::sqrt(std::sqrt(c.error) * left) / scale;
+	return (frictional ? frictionalFit : frictionlessFit) * std::max(forces, velocities);
 }
 
 NormWeights::NormWeights(const IslandShape& shape, double meanResponse, double largestMass)
 {
 	constexpr double heavy = 30; // mass of a contact or body over the mean
-	if (shape.weightsUp()) factor = std::max(1.0, largestMass * meanResponse);
+	if (shape.slim()) factor = std::max(1.0, largestMass * meanResponse);
 	else
 		leastResponse = meanResponse / heavy;
 }

@@ -4,7 +4,8 @@
 // in a row of N bodies leaves a residual of about 5 e/N². Two estimates see such errors. Each is a
 // relative error of velocities and forces [-], and the smaller one counts.
 //
-//   bound    10 D² ‖d‖_w/‖p‖_w, with the diameter D of the contact graph
+//   bound    4 D² ‖d‖_w/‖p‖_w, with the diameter D of the contact graph; 100 D² if pairs of free
+//            bodies have two points: such a row bends
 //   change   from the change Δp of the impulses since half as many sweeps, from D sweeps on:
 //            impulses must have crossed the island
 //
@@ -12,8 +13,9 @@
 // dense packings, the error falls with √r:
 //
 //   s = √(r/r_half) ≤ 0.75,  p* − p ≈ Δp · s/(1 − s)
-//   forces       e_f = ‖Δp‖_w s/(1 − s) / ‖p‖_w
-//   velocities   e_v = 0.7 √(‖d‖_w ‖Δp‖_w s/(1 − s)) / ‖v − v_free‖_M
+//   forces       e_f = c ‖Δp‖_w s/(1 − s) / ‖p‖_w
+//   velocities   e_v = 0.7 c √(‖d‖_w ‖Δp‖_w s/(1 − s)) / ‖v − v_free‖_M
+//   with friction c = 1.4, without c = 0.27
 //
 // Norms: ‖p‖_w² = Σ w_nn |p|², ‖v‖_M² = Σ m |v|² + I ω². d is the error of a point in the contact
 // laws (residual.hpp). The formula of e_v is the Cauchy–Schwarz bound of the energy
@@ -21,8 +23,8 @@
 // hundredth of ‖p‖_w replaces ‖v − v_free‖_M: bodies at rest between walls have no scale of their own.
 //
 // Heavy bodies hide the errors of light ones in these norms, and slow the solvers. So both estimates
-// of a slim or small island are multiplied by the largest mass of a body times the mean w_nn. In
-// other islands, bodies and contacts whose mass is over 30 times the mean do not enter the norms.
+// of a slim island are multiplied by the largest mass of a body times the mean w_nn. In other
+// islands, bodies and contacts whose mass is over 30 times the mean do not enter the norms.
 //
 // Neither velocities of other bodies nor contacts without a force are scales, so a common motion
 // or an idle neighbour changes nothing. docs/measurements/index.md compares the estimate with true
@@ -42,6 +44,8 @@ struct IslandShape {
 	int pairs    = 0; // of two free bodies
 	int diameter = 0; // longest of the shortest paths from a far body, in pairs
 	bool frictional = false;
+	bool rolls      = false; // a point has rolling resistance: exact iterations do not know it
+	bool bends      = false; // a pair of free bodies has two points
 
 	/// Rows, columns and trees: a factorisation has hardly any fill-in, and exact iterations cost
 	/// less than sweeps, whose number grows with the diameter.
@@ -51,9 +55,6 @@ struct IslandShape {
 		return bodies <= tiny || bodies <= widest * diameter
 		        || bodiesPerLoop * (pairs + 1 - bodies) <= bodies;
 	}
-	/// Returns true if light bodies are weighted up; else heavy ones are left out.
-	bool weightsUp() const { return slim() || points <= 250; }
-
 	/// Estimated error at which the island counts as solved [-]. Solutions of dense packings with
 	/// friction differ by 10 to 30 % among themselves.
 	double goal(double accuracy) const { return slim() ? accuracy : spreadGoal(accuracy); }
@@ -64,7 +65,7 @@ struct IslandShape {
 		return frictional ? spread * accuracy : accuracy;
 	}
 	/// Error over residual of the smoothest error, at most [-].
-	double condition() const { return 10.0 * diameter * diameter; }
+	double condition() const { return (bends ? 100.0 : 4.0) * diameter * diameter; }
 };
 
 /// Change of an iterate, and the sums at the iterate, in the norms above.
@@ -86,7 +87,7 @@ struct NormWeights {
 };
 
 /// The larger of e_f and e_v. `residualRatio`: r/r_half.
-double errorFromChange(const IterateChange&, double residualRatio);
+double errorFromChange(const IterateChange&, double residualRatio, bool frictional);
 
 /// Condition of the island: `shape.condition()` times the factor of its norm weights [-].
 double conditionOf(const ContactProblem&, const IslandShape&);

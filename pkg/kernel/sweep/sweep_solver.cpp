@@ -88,7 +88,7 @@ double IslandStop::estimate(const Measures& m, double residual, const Saved& sav
 	return island_.norm().factor
 	        * errorFromChange(
 	        { change.energy, m.impulseEnergy, m.errorEnergy, island_.changeEnergy() },
-	        saved.residual > 0 ? residual / saved.residual : 1);
+	        saved.residual > 0 ? residual / saved.residual : 1, island_.shape().frictional);
 }
 
 void IslandStop::saveAtCheckpoint(double residual)

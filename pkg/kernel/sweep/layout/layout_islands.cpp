@@ -28,7 +28,9 @@ void Layout::findIslands()
 			shape.bodies += island_[one] == none;
 			island_[one] = island;
 		}
-		shape.pairs += moves(pair.body1) && moves(pair.body2);
+		const bool free = moves(pair.body1) && moves(pair.body2);
+		shape.pairs += free;
+		shape.bends = shape.bends || (free && pair.points > 1);
 		shape.points += pair.points;
 		shape.diameter = shape.bodies; // of a row; `cut` measures it in larger islands
 	}
