@@ -42,7 +42,8 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 {
 	static const std::set<std::string> names { "inverse_mass", "free_velocity", "bodies", "normal",
 		"arm1", "arm2", "bias", "friction", "impulse", "drift", "shift", "inverse_stretch_mass",
-		"place", "recovery_bias", "yielded" };
+		"place", "recovery_bias", "yielded", "pull", "rolling_friction", "rolling_length",
+		"rolling_impulse" };
 	for (const auto& item : arrays)
 		if (const std::string name = py::str(item.first); !names.count(name))
 			throw py::type_error("'" + name + "' is neither a setting nor an array of a problem");
@@ -60,6 +61,11 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 	const auto normal = vectors("normal"), arm1 = vectors("arm1"), arm2 = vectors("arm2"),
 	           drift = optional("drift"), shift = optional("shift");
 	const auto bias = numbers("bias"), friction = numbers("friction");
+	const auto optionalNumbers = [&](const char* name) {
+		return has(name) ? numbers(name) : std::vector<double>(nc);
+	};
+	const auto pull = optionalNumbers("pull"), rollingFriction = optionalNumbers("rolling_friction"),
+	           rollingLength = optionalNumbers("rolling_length");
 
 	ContactProblem problem;
 	problem.inverseMass  = rowsFrom<InverseMass>(inverseMass, "inverse_mass", nb);
@@ -67,7 +73,9 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 	problem.impulse      = rowsFrom<LocalVector>(given("impulse"), "impulse", nc);
 	for (py::ssize_t k = 0; k < nc; ++k)
 		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), normal[k], arm1[k], arm2[k],
-		                           bias[k], friction[k], drift[k], shift[k] });
+		                           bias[k], friction[k], drift[k], shift[k], pull[k],
+		                           rollingFriction[k], rollingLength[k] });
+	if (has("rolling_friction")) problem.rollingImpulse = optionalNumbers("rolling_impulse");
 	if (has("inverse_stretch_mass")) {
 		const Array mass = given("inverse_stretch_mass");
 		requireShape(mass, "inverse_stretch_mass", { 2 });

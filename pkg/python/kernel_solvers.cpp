@@ -66,6 +66,9 @@ namespace {
 			relative.push_back(relativeVelocity(problem, c));
 		results["impulse"]           = arrayOf(problem.impulse);
 		results["relative_velocity"] = arrayOf(relative);
+		if (!problem.rollingImpulse.empty())
+			results["rolling_impulse"] = py::array_t<double>(
+			        py::ssize_t(problem.rollingImpulse.size()), problem.rollingImpulse.data());
 		results["velocity"]          = arrayOf(problem.velocity);
 		results["stretch_rate"]      = py::make_tuple(problem.stretchRate.x, problem.stretchRate.y);
 		results["error_estimate"]    = report.errorEstimate;
@@ -160,10 +163,12 @@ void bindSolvers(py::module_& m)
 	        "\n"
 	        "Arrays by keyword: inverse_mass and free_velocity (nb, 3), bodies, normal, arm1, arm2\n"
 	        "and impulse (nc, 2), bias and friction (nc,); optional: drift and shift (nc, 2),\n"
-	        "inverse_stretch_mass (2,), place (nb, 2), recovery_bias (nc,), yielded (nb,).\n"
+	        "inverse_stretch_mass (2,), place (nb, 2), recovery_bias (nc,), yielded (nb,),\n"
+	        "pull (nc,) [N s], rolling_friction (nc,) [-], rolling_length (nc,) [m],\n"
+	        "rolling_impulse (nc,) [N s].\n"
 	        "\n"
 	        "Returns a dict: impulse (nc, 2) [N s], relative_velocity (nc, 2) [m/s], velocity\n"
-	        "(nb, 3) [m/s, 1/s], stretch_rate (2,) [1/s], iterations, residual [-], converged,\n"
+	        "(nb, 3) [m/s, 1/s], rolling_impulse (nc,) if rolling_friction is given, stretch_rate (2,) [1/s], iterations, residual [-], converged,\n"
 	        "error_estimate [-], yielded, yielded_bodies (list), impulse_growth over the last\n"
 	        "100 sweeps [-], work (sweeps × points), seconds, processor_seconds (of this thread).\n"
 	        "Raises ValueError for arrays of inconsistent shapes and settings out of range.");

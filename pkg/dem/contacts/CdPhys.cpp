@@ -5,6 +5,20 @@
 
 namespace yade {
 
+rcr::ContactLaw CdPhys::law() const
+{
+	return { double(tangensOfFrictionAngle), double(restitution), double(adhesion),
+		double(rollingFriction) };
+}
+
+void CdPhys::setLaw(const rcr::ContactLaw& law)
+{
+	tangensOfFrictionAngle = law.friction;
+	restitution            = law.restitution;
+	adhesion               = law.adhesion;
+	rollingFriction        = law.rollingFriction;
+}
+
 void Ip2_FrictMat_FrictMat_CdPhys::go(const shared_ptr<Material>& material1,
         const shared_ptr<Material>& material2, const shared_ptr<Interaction>& interaction)
 {
@@ -19,14 +33,18 @@ void Ip2_FrictMat_FrictMat_CdPhys::go(const shared_ptr<Material>& material1,
 	            : math::min(one.frictionAngle, two.frictionAngle);
 	// checkPhys refuses NaN, outside of the parallel loop
 	phys->tangensOfFrictionAngle = angle >= 0 && angle < 0.5 * Mathr::PI ? math::tan(angle) : none;
-	if (restitution) {
-		// materials have no restitution, of which a MatchMaker could take a mean
+	// materials have no such coefficients, of which a MatchMaker could take a mean
+	const auto match = [&](const shared_ptr<MatchMaker>& maker, Real& coefficient) {
+		if (!maker) return;
 		try {
-			phys->restitution = (*restitution)(one.id, two.id, none, none);
+			coefficient = (*maker)(one.id, two.id, none, none);
 		} catch (const std::invalid_argument&) {
-			phys->restitution = none;
+			coefficient = none;
 		}
-	}
+	};
+	match(restitution, phys->restitution);
+	match(adhesion, phys->adhesion);
+	match(rollingFriction, phys->rollingFriction);
 	interaction->phys = phys;
 }
 
@@ -39,7 +57,9 @@ bool Law2_RcrGeom_CdPhys_SignoriniCoulomb::go(
 	}
 	const RcrGeom& geom = static_cast<const RcrGeom&>(*igeom);
 	if (geom.points == 0) return false;
-	carryForces(geom, static_cast<CdPhys&>(*iphys));
+	CdPhys& phys = static_cast<CdPhys&>(*iphys);
+	if (phys.points != 1 || geom.points != 1) phys.rollingMoment = 0;
+	carryForces(geom, phys);
 	return true;
 }
 

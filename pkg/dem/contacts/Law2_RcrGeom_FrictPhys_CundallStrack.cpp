@@ -14,9 +14,12 @@ RcrFrictPhys::RcrFrictPhys(const FrictPhys& yadePhys) : RcrFrictPhys()
 
 void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_CundallStrack&)
 {
-	if (damping >= 0 && math::isfinite(damping)) return;
-	rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.damping = ", validation::text(damping),
-	        "; expected a fraction of the critical damping, 0 (none) or more.");
+	if (!(damping >= 0 && math::isfinite(damping)))
+		rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.damping = ", validation::text(damping),
+		        "; expected a fraction of the critical damping, 0 (none) or more.");
+	if (!(adhesion >= 0 && math::isfinite(adhesion)))
+		rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.adhesion = ", validation::text(adhesion),
+		        "; expected a pull of 0 N (none) or more.");
 }
 
 /// Inverse mass of a body or its clump; 0 if its motion is prescribed.
@@ -131,18 +134,18 @@ rcr::LocalVector Law2_RcrGeom_FrictPhys_CundallStrack::pointForce(const FrictPhy
         double dashpot, double overlap, const rcr::LocalVector& u, double tangential)
 {
 	const double dt = double(scene->dt), kn = double(phys.kn), ks = double(phys.ks),
-	             mu   = double(phys.tangensOfFrictionAngle);
+	             mu = double(phys.tangensOfFrictionAngle), pull = double(adhesion);
 	const double n    = std::max(0.0, kn * overlap - dashpot * u.n);
 	const double free = tangential - ks * u.t * dt;
 	const double t    = std::max(-mu * n, std::min(free, mu * n));
 	if (scene->trackEnergy) {
-		const double stored = 0.5 * kn * overlap * overlap + (ks > 0 ? 0.5 * t * t / ks : 0);
+		const double stored = (0.5 * kn * overlap - pull) * overlap + (ks > 0 ? 0.5 * t * t / ks : 0);
 		const double slip   = ks > 0 ? (free - t) / ks : -u.t * dt; // of the slider
 		scene->energy->add(stored, "elastPotential", elasticIx, /*reset every step*/ true);
 		scene->energy->add(t * slip, "plastDissip", plasticIx, false);
 		scene->energy->add((kn * overlap - n) * u.n * dt, "viscDissip", viscousIx, false);
 	}
-	return { n, t };
+	return { n - pull, t };
 }
 
 /// Applies the force of a contact. Enters its work on prescribed motion into O.energy; it is

@@ -1,7 +1,7 @@
 // Springs: a spring, a dashpot and a Coulomb slider with a spring at each point of RcrGeom.
 //
-//   f_n = max(0, k_n δ − c u_n)          δ = −g > 0: overlap [m]; u = v₂ − v₁ at the point [m/s]
-//   f_t ← f_t − k_s u_t dt, |f_t| ≤ µ f_n
+//   f_n = max(0, k_n δ − c u_n) − f_a    δ = −g > 0: overlap [m]; u = v₂ − v₁ at the point [m/s]
+//   f_t ← f_t − k_s u_t dt, |f_t| ≤ µ (f_n + f_a)      f_a = `adhesion`
 //   c   = 2 ζ √(k_n m₁m₂/(m₁ + m₂))      ζ = `damping`; a fixed body has an infinite mass
 //
 // Forces act on body 2; the tangent is the normal rotated by +90°. k_n, k_s [N/m] and µ come from
@@ -40,6 +40,7 @@ public:
 		"Contact law of springs on the geometry of :yref:`RcrGeom`: per point a spring $k_n$, a dashpot, and a Coulomb slider with a spring "
 		"$k_s$. Stiffnesses come from :yref:`Ip2_FrictMat_FrictMat_FrictPhys`. ``rcr.critical_time_step()`` bounds the time step.",
 		((Real,damping,0,Attr::triggerPostLoad,"Fraction ζ of the critical damping [-]: dashpot $c=2\\zeta\\sqrt{k_n m_1m_2/(m_1+m_2)}$ along the normal; 0: none."))
+		((Real,adhesion,0,Attr::triggerPostLoad,"Pull $f_a$ of each point that overlaps [N]; Coulomb friction bears $\\mu(f_n+f_a)$."))
 		((int,deepOverlapCount,0,Attr::readonly,"Contacts with deep overlaps, summed over steps: beyond a tenth of the smaller cap radius and 0.02 (R₁ + R₂). The first one prints a warning."))
 		((int,elasticIx,-1,(Attr::hidden|Attr::noSave),"Index of elastPotential."))
 		((int,plasticIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip."))

@@ -115,6 +115,10 @@ py::dict ContactDynamics::problemDict() const
 			throw std::invalid_argument(
 			        "ContactDynamics: the periodic cell deforms, and files of problems have no "
 			        "velocities of images; save a step at O.cell.velGrad = 0 without CellStress.");
+		if (c.pull > 0 || c.rolls())
+			throw std::invalid_argument(
+			        "ContactDynamics: files of problems have neither adhesion nor rolling friction; "
+			        "save a step without them.");
 		points.push_back({ c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
 		        c.friction });
 		bodies.push_back({ c.body1, c.body2 });

@@ -243,8 +243,7 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 		prefetch<CdPhys>(handles.sorted[later.handleIndex].phys);
 		const CdPhys& phys = *handles.sorted[pair.handleIndex].phys;
 		pair.pointCount    = phys.points;
-		pair.friction      = double(phys.tangensOfFrictionAngle);
-		pair.restitution   = double(phys.restitution);
+		pair.law           = phys.law();
 		for (int point = 0; point < 2; ++point)
 			pair.along[point] = double(phys.along[point]);
 	});
@@ -309,7 +308,7 @@ void ArraySteps::runEngines(Scene& scene, const std::vector<Engine*>& engines) c
 	scene.forces.sync();
 }
 
-/// Sets friction and restitution of new contacts. Removes contacts that the scene does not allow.
+/// Sets the coefficients of new contacts. Removes contacts that the scene does not allow.
 void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engines)
 {
 	const rcr::ContactFilter allows = contactFilter(scene, engines);
@@ -321,8 +320,7 @@ void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engi
 			pair.pointCount = 0;
 			continue;
 		}
-		setCoefficients(scene, *engines.loop, pair.body1, pair.body2, pair.friction,
-		        pair.restitution);
+		pair.law      = newContactLaw(scene, *engines.loop, pair.body1, pair.body2);
 		pair.formedAt = scene.iter;
 	}
 }

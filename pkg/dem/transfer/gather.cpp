@@ -240,8 +240,8 @@ namespace {
 			int points = 0;
 			for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
 				const SceneHandles::Contact& source = handles_.sorted[k];
-				step_.contacts[k] = { source.id1, source.id2, points, source.points, int(k), 0, 0,
-					0, {}, {} };
+				step_.contacts[k] = { source.id1, source.id2, points, source.points, int(k), {}, 0, {},
+					{} };
 				points += source.points;
 			}
 			step_.resizePoints(points);
@@ -260,9 +260,8 @@ namespace {
 			const SceneHandles::Contact& source  = handles_.sorted[number];
 			const CdPhys&                phys    = *source.phys;
 			validation::checkPhys(phys, contact.body1, contact.body2);
-			contact.friction    = double(phys.tangensOfFrictionAngle);
-			contact.restitution = double(phys.restitution);
-			contact.size        = double(source.geom->refR1 + source.geom->refR2);
+			contact.law  = phys.law();
+			contact.size = double(source.geom->refR1 + source.geom->refR2);
 			if (scene_.isPeriodic) {
 				const Vector3i& cells = source.interaction->cellDist;
 				contact.shift         = plane::toPlane(scene_.cell->intrShiftPos(cells));
@@ -270,7 +269,8 @@ namespace {
 			}
 			const rcr::LocalVector force[2] = { { double(phys.force1[0]), double(phys.force1[1]) },
 				{ double(phys.force2[0]), double(phys.force2[1]) } };
-			step_.setPoints(contact, source.geom->manifold(), force);
+			step_.setPoints(contact, source.geom->manifold(), force,
+			        double(phys.rollingMoment));
 		}
 	};
 

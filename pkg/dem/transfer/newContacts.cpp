@@ -2,8 +2,8 @@
 
 namespace yade {
 
-void setCoefficients(Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2,
-        double& friction, double& restitution)
+rcr::ContactLaw newContactLaw(
+        Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2)
 {
 	shared_ptr<Material>& one = (*scene.bodies)[id1]->material;
 	shared_ptr<Material>& two = (*scene.bodies)[id2]->material;
@@ -19,8 +19,7 @@ void setCoefficients(Scene& scene, const InteractionLoop& loop, Body::id_t id1, 
 		        two->getClassName(),
 		        "; expected CdPhys: use Ip2_FrictMat_FrictMat_CdPhys for these materials.");
 	validation::checkPhys(*phys, id1, id2);
-	friction    = double(phys->tangensOfFrictionAngle);
-	restitution = double(phys->restitution);
+	return phys->law();
 }
 
 rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)
@@ -40,8 +39,7 @@ rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engine
 static void addFoundContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
 	for (rcr::FoundContact& c : step.found)
-		if (!c.known)
-			setCoefficients(scene, *engines.loop, c.body1, c.body2, c.friction, c.restitution);
+		if (!c.known) c.law = newContactLaw(scene, *engines.loop, c.body1, c.body2);
 	rcr::addFoundContacts(step);
 }
 

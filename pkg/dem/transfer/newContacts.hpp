@@ -7,9 +7,8 @@
 
 namespace yade {
 
-/// Sets friction and restitution of a new contact by the Ip2 functor of the scene.
-void setCoefficients(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2,
-        double& friction, double& restitution);
+/// Coefficients of a new contact by the Ip2 functor of the scene.
+rcr::ContactLaw newContactLaw(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2);
 
 /// Returns a filter: true for two bodies whose contact the scene's collider, functors and materials
 /// allow. The filter throws if no Ig2 functor handles bodies that could overlap.

@@ -28,6 +28,8 @@ static void writeForces(const rcr::Step& step, const rcr::StepContact& contact, 
 		phys.bias[k]               = c.bias;
 	}
 	writeForce(phys, force, normal);
+	phys.rollingMoment = contact.count == 1
+	        ? step.rollingMoment[contact.first] : 0;
 }
 
 /// Returns the interaction of a pair; creates it if there is none.
@@ -50,11 +52,10 @@ static SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
 {
 	if (!i.geom) i.geom = boost::make_shared<RcrGeom>();
 	if (pair.formedAt >= 0) {
-		auto phys                    = boost::make_shared<CdPhys>();
-		phys->tangensOfFrictionAngle = pair.friction;
-		phys->restitution            = pair.restitution;
-		i.phys                       = phys;
-		i.iterMadeReal               = pair.formedAt;
+		auto phys = boost::make_shared<CdPhys>();
+		phys->setLaw(pair.law);
+		i.phys         = phys;
+		i.iterMadeReal = pair.formedAt;
 	}
 	RcrGeom&             geom = static_cast<RcrGeom&>(*i.geom);
 	CdPhys&              phys = static_cast<CdPhys&>(*i.phys);
@@ -77,7 +78,7 @@ static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 		if (scene.isPeriodic && !i.geom) // the collider may have listed another image
 			i.cellDist = plane::cellsOf(*scene.cell, found.shift);
 		if (!i.phys) {
-			pair.friction = found.friction, pair.restitution = found.restitution;
+			pair.law      = found.law;
 			pair.formedAt = scene.iter;
 		}
 		handles.sorted.push_back(writeContact(i, pair, found.manifold, handles, step,
@@ -168,6 +169,9 @@ std::vector<rcr::PlanarVector> contactImpulses(const rcr::Step& step)
 	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {
 		const rcr::ContactPoint& c = step.problem.points[k];
 		applyImpulse(c, step.problem.impulse[k], unit, unit, impulses[c.body1], impulses[c.body2]);
+		const double moment = c.rollingLength * step.problem.rollingImpulseOf(k);
+		impulses[c.body1].rotation -= moment;
+		impulses[c.body2].rotation += moment;
 	}
 	return impulses;
 }
@@ -253,6 +257,7 @@ void ArraySteps::writeBack(
 		        *interaction[k], pair, manifold, handles, step, step.bodies[pair.body2].pose());
 		writeForce(*contacts[k].phys, pair.force,
 		        { manifold.points[0].normal, manifold.points[1].normal });
+		contacts[k].phys->rollingMoment = pair.pointCount == 1 ? pair.rollingMoment : 0;
 	});
 	handles.sorted.swap(contacts);
 }

@@ -286,6 +286,15 @@ void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
 		        "most ",
 		        text(rcr::maxFriction),
 		        ". Mend the material or Ip2 functor, then call O.interactions.clear().");
+	const auto checkCoefficient = [&](const char* name, const char* unit, Real value) {
+		if (value >= 0 && math::isfinite(value)) return;
+		refuse("contact of ", bodyNames({ id1, id2 }), " has the ", name, " ", text(value),
+		        "; expected a finite number ≥ 0 ", unit,
+		        ". Mend the Ip2 functor, then call O.interactions.clear(). Materials have none: a "
+		        "MatchMaker needs algo='val', or a match for each pair.");
+	};
+	checkCoefficient("adhesion", "[N]", phys.adhesion);
+	checkCoefficient("rolling friction", "[-]", phys.rollingFriction);
 	if (!(restitution >= 0 && restitution <= 1))
 		refuse("contact of ", bodyNames({ id1, id2 }), " has the restitution ", text(restitution),
 		        "; expected 0 to 1. Mend the Ip2 functor, then call O.interactions.clear(). Materials "

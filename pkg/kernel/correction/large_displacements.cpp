@@ -109,7 +109,7 @@ bool meetOnPaths(const Step& step, const StepContact& contact)
 /// Returns true if the point has had restitution from the beginning of the step.
 static bool rebounds(const Step& step, const StepContact& contact, int k)
 {
-	return contact.restitution > 0 && step.problem.points[contact.first + k].bias < 0;
+	return contact.law.restitution > 0 && step.problem.points[contact.first + k].bias < 0;
 }
 
 bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelease)
@@ -139,7 +139,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		if (end == -infinity) continue;
 		const bool sinks
 		        = (end < std::min(0.0, gap) - slop || last < samples) && std::isfinite(end);
-		const double open     = contact.restitution > 0
+		const double open     = contact.law.restitution > 0
 		            ? clearance * slop
 		            : std::max((step.gap[number].loadedBefore ? loadedClearance : clearance) * slop,
 		                    std::min(slop, -earlyArrival * path));
@@ -148,8 +148,8 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		if (rebounds(step, contact, k) || (!sinks && !released)) continue;
 		const double before = step.initialVelocity(c).n;
 		// restitution within the step
-		if (sinks && contact.restitution > 0 && before < 0 && c.bias > 0) {
-			c.bias  = contact.restitution * before;
+		if (sinks && contact.law.restitution > 0 && before < 0 && c.bias > 0) {
+			c.bias  = contact.law.restitution * before;
 			changed = true;
 			continue;
 		}

@@ -125,8 +125,8 @@ namespace {
 	{
 		const double size = contactSize(
 		        step.bodies[found.body1].shape, step.bodies[found.body2].shape);
-		return { found.body1, found.body2, 0, 0, -1, found.friction, found.restitution,
-			size, found.shift, step.cell.drift(found.shift) };
+		return { found.body1, found.body2, 0, 0, -1, found.law, size,
+			found.shift, step.cell.drift(found.shift) };
 	}
 
 	/// Returns true if a point closes beyond the slop at the solved velocities. A new contact with
@@ -205,6 +205,7 @@ namespace {
 	struct Start {
 		LocalVector force;
 		bool        loadedBefore = false;
+		double      rollingMoment = 0;
 	};
 
 	/// Starts of the points `now` (null: unchanged) from the points of the old contact.
@@ -212,7 +213,8 @@ namespace {
 	{
 		std::array<Start, 2> start;
 		for (int k = 0; k < old.count; ++k)
-			start[k] = { step.force[old.first + k], step.gap[old.first + k].loadedBefore };
+			start[k] = { step.force[old.first + k], step.gap[old.first + k].loadedBefore,
+				step.rollingMoment[old.first + k] };
 		if (!now) return start;
 		const StepBody &one = step.bodies[old.body1], &two = step.bodies[old.body2];
 		const auto      along = [&](const ManifoldPoint& point) {
@@ -299,6 +301,7 @@ void addFoundContacts(Step& step)
 	std::vector<StepContact>  contacts;
 	std::vector<ContactPoint> points;
 	std::vector<LocalVector>  forces, impulses;
+	std::vector<double>       rollingMoments, rollingImpulses;
 	std::vector<Gap>          gaps;
 	// null: unchanged
 	const auto add = [&](const StepContact& old, const FoundContact* found) {
@@ -313,8 +316,12 @@ void addFoundContacts(Step& step)
 			if (restarted[c.body1] || restarted[c.body2]) points.back().bias = initial.bias;
 			impulses.push_back(step.dt * start[k].force);
 			forces.push_back(start[k].force);
+			const ContactPoint& added = points.back();
+			rollingMoments.push_back(added.rolls() ? start[k].rollingMoment : 0);
+			rollingImpulses.push_back(added.rolls()
+			                ? step.dt * (rollingMoments.back() / added.rollingLength) : 0);
 			// before the first solve, no body was widened
-			const bool loaded = step.widened.empty() ? start[k].force.n > 0 : start[k].loadedBefore;
+			const bool loaded = step.widened.empty() ? start[k].force.n != 0 : start[k].loadedBefore;
 			gaps.push_back({ at.gap, -c.slop(), loaded });
 		}
 		contacts.push_back(c);
@@ -332,7 +339,9 @@ void addFoundContacts(Step& step)
 	step.contacts.swap(contacts);
 	step.problem.points.swap(points);
 	step.problem.impulse.swap(impulses);
+	step.problem.rollingImpulse.swap(rollingImpulses);
 	step.force.swap(forces);
+	step.rollingMoment.swap(rollingMoments);
 	step.gap.swap(gaps);
 	step.added.insert(step.added.end(), step.found.begin(), step.found.end());
 	step.found.clear();

@@ -43,6 +43,7 @@ void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 			return;
 		}
 		if (pair.isNew) pair.force[0] = pair.force[1] = {};
+		if (pair.isNew || pair.pointCount != 1 || detected.count != 1) pair.rollingMoment = 0;
 		double along[2];
 		for (int point = 0; point < 2; ++point)
 			along[point] = positionAlong(one.shape, at1, at2, detected.points[point]);
@@ -70,7 +71,7 @@ void Pairs::addFoundContacts(const Step& step, long iteration)
 	for (const FoundContact& found : step.added) {
 		Pair& pair = *std::lower_bound(all.begin(), all.end(), found, precedes);
 		if (!found.known) {
-			pair.friction = found.friction, pair.restitution = found.restitution;
+			pair.law      = found.law;
 			pair.formedAt = iteration;
 		}
 		manifold[&pair - all.data()] = found.manifold;
@@ -112,8 +113,8 @@ void Pairs::fillStep(Step& step, ThreadTeam& team) const
 		const double       size
 		        = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
 		step.contacts[k] = { pair.body1, pair.body2, first[k], pair.pointCount, number,
-			pair.friction, pair.restitution, size, {}, {} };
-		step.setPoints(step.contacts[k], manifold[number], pair.force);
+			pair.law, size, {}, {} };
+		step.setPoints(step.contacts[k], manifold[number], pair.force, pair.rollingMoment);
 	});
 }
 
@@ -121,7 +122,9 @@ void Pairs::storeForces(const Step& step, ThreadTeam& team)
 {
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		std::copy_n(&step.force[contact.first], contact.count, all[contact.handleIndex].force);
+		Pair&              pair    = all[contact.handleIndex];
+		std::copy_n(&step.force[contact.first], contact.count, pair.force);
+		if (contact.count == 1) pair.rollingMoment = step.rollingMoment[contact.first];
 	});
 }
 

@@ -13,9 +13,10 @@ struct Pair {
 	std::int32_t handleIndex      = -1;    // index in SceneHandles::sorted; −1: none
 	bool         isNew            = false; // found by the last detection
 	long         formedAt = -1; // iteration of its first step; −1: stored in the simulation
-	double       friction = 0, restitution = 0;
+	ContactLaw   law;
 	double       along[2] {}; // positionAlong of each point [m]
 	LocalVector  force[2];    // of each point [N]
+	double       rollingMoment = 0; // of a contact of one point [N m]
 };
 
 struct Pairs {

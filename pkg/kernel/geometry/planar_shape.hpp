@@ -81,6 +81,13 @@ inline double contactSize(const PlanarShape& one, const PlanarShape& two)
 	return (r1 > 0 ? r1 : r2) + r2;
 }
 
+/// Length that turns the moment of rolling resistance into an impulse: R₁ + R₂, or the R of a grain
+/// at an obstacle [m].
+inline double rollingLength(const PlanarShape& one, const PlanarShape& two)
+{
+	return (one.grain() && two.grain() ? 1 : 0.5) * contactSize(one, two);
+}
+
 /// Returns true if shapes of these kinds may be body 1 and body 2 of a pair.
 inline bool canTouch(PlanarShape::Kind one, PlanarShape::Kind two)
 {

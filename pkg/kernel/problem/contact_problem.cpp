@@ -32,7 +32,8 @@ static const char* pointError(const ContactPoint& c, const LocalVector& p, std::
 		return ": body id out of range";
 	if (c.body1 == c.body2) return ": both bodies are the same";
 	if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
-	            c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t))
+	            c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, c.pull, c.rollingFriction,
+	            c.rollingLength, p.n, p.t))
 		return ": a number is not finite";
 	if (!(std::abs(dot(c.normal, c.normal) - 1) <= normalTolerance))
 		return ": the normal is not of unit length";
@@ -40,6 +41,11 @@ static const char* pointError(const ContactPoint& c, const LocalVector& p, std::
 	if (c.friction > maxFriction)
 		return ": the friction coefficient is above 1000, too large to measure errors; give a "
 		       "friction angle of at most 89.9°";
+	if (c.pull < 0) return ": the pull is negative; expected c ≥ 0 N s";
+	if (c.rollingFriction < 0 || c.rollingFriction > maxFriction)
+		return ": the coefficient of rolling friction is outside 0 … 1000";
+	if (c.rolls() && !(c.rollingLength > 0))
+		return ": a point with rolling friction needs a rolling length > 0";
 	return nullptr;
 }
 
@@ -78,6 +84,12 @@ void updateVelocity(ContactProblem& problem)
 {
 	problem.velocity       = problem.freeVelocity;
 	const Vec2 stretchRate = addImpulses(problem, problem.impulse, problem.velocity);
+	for (std::size_t k = 0; k < problem.rollingImpulse.size(); ++k) {
+		const ContactPoint& c      = problem.points[k];
+		const double        moment = c.rollingLength * problem.rollingImpulse[k];
+		problem.velocity[c.body1].rotation -= problem.inverseMass[c.body1].rotation * moment;
+		problem.velocity[c.body2].rotation += problem.inverseMass[c.body2].rotation * moment;
+	}
 	if (problem.stretches()) problem.setStretchRate(stretchRate);
 }
 
@@ -120,6 +132,12 @@ void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 	const std::size_t bodies = problem.inverseMass.size();
 	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
 	checkSize("impulse", problem.impulse.size(), problem.points.size());
+	const bool rolls = std::any_of(problem.points.begin(), problem.points.end(),
+	        [](const ContactPoint& c) { return c.rolls(); });
+	if (rolls || !problem.rollingImpulse.empty())
+		checkSize("rollingImpulse", problem.rollingImpulse.size(), problem.points.size());
+	for (double p : problem.rollingImpulse)
+		if (!finite(p)) refuse("rollingImpulse: a number is not finite");
 	if (!problem.yielded.empty()) checkSize("yielded", problem.yielded.size(), bodies);
 	if (!problem.place.empty()) checkSize("place", problem.place.size(), bodies);
 	if (!problem.recoveryBias.empty())

@@ -4,6 +4,10 @@
 //   u = v₂ + d + ω₂ × r₂ − v₁ − ω₁ × r₁                     relative velocity, components (n, t)
 //   0 ≤ u_n + b_n  ⟂  p_n ≥ 0                               Signorini
 //   |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0    Coulomb
+//   |p_r| ≤ µ_r p_n, p_r = −µ_r p_n sign(u_r) where u_r ≠ 0  rolling resistance, u_r = ℓ (ω₂ − ω₁)
+//
+// A pull c > 0 acts between the bodies of a point: p_n + c replaces p_n in the laws, so p_n ≥ −c.
+// The moment of rolling resistance on body 2 is ℓ p_r.
 //
 // A periodic cell that may stretch has two more degrees of freedom, its stretch rates along x and
 // y. It moves all bodies alike: v includes δg ∘ r, and d includes δg ∘ s. Contacts change the rates
@@ -17,6 +21,10 @@
 // | r₁, r₂ | arm1, arm2         | m         | point minus centre of body 1, of body 2             |
 // | b_n    | bias               | m/s       | gap/dt if open, or velocity of restitution          |
 // | µ      | friction           | –         | Coulomb coefficient                                 |
+// | c      | pull               | N s       | impulse of adhesion                                 |
+// | µ_r    | rollingFriction    | –         | of contacts of one point                            |
+// | ℓ      | rollingLength      | m         | R₁ + R₂, or R at an obstacle                        |
+// | p_r    | rollingImpulse     | N s       | ℓ p_r: angular impulse on body 2                    |
 // | d      | drift              | m/s       | velocity of the periodic image of body 2, relative  |
 // | s      | shift              | m         | from body 2 to that image; 0 without CellStress     |
 // | r      | place              | m         | of the body that the cell moves; 0: it does not     |
@@ -90,6 +98,9 @@ struct ContactPoint {
 	double       friction = 0;
 	Vec2         drift;
 	Vec2         shift;
+	double       pull = 0, rollingFriction = 0, rollingLength = 0;
+
+	bool rolls() const { return rollingFriction > 0; }
 
 	/// Returns true if body 2 is an image of a cell that moves or may move.
 	bool crossesMovingCell() const
@@ -111,6 +122,7 @@ struct ContactProblem {
 	// per contact point; the points of a pair are adjacent
 	std::vector<ContactPoint> points;
 	std::vector<LocalVector>  impulse; // in: warm start; out: solution
+	std::vector<double>       rollingImpulse; // the same; empty: no point has rolling resistance
 	// bias of a yielding contact that removes its overlap, ≤ 0 [m/s]; may be empty
 	std::vector<double>       recoveryBias;
 
@@ -118,6 +130,11 @@ struct ContactProblem {
 	Vec2              stretchRate; // its change by contacts; velocities and drifts include it
 	std::vector<Vec2> place;       // per body; may be empty
 
+	/// p_r of a point [N s].
+	double rollingImpulseOf(std::size_t point) const
+	{
+		return rollingImpulse.empty() ? 0 : rollingImpulse[point];
+	}
 	bool stretches() const { return inverseStretchMass.x > 0 || inverseStretchMass.y > 0; }
 	/// r of a body [m].
 	Vec2 placeOf(int body) const { return place.empty() ? Vec2 {} : place[body]; }
@@ -188,6 +205,13 @@ inline LocalVector freeRelativeVelocity(const ContactProblem& problem, const Con
 	        problem.freeVelocity[c.body2]);
 }
 
+/// u_r at a point for the velocities of the problem [m/s].
+inline double rollingVelocity(const ContactProblem& problem, const ContactPoint& c)
+{
+	return c.rollingLength
+	        * (problem.velocity[c.body2].rotation - problem.velocity[c.body1].rotation);
+}
+
 /// Components along x and y of an impulse (n, t) at a point with this normal.
 inline Vec2 toCartesian(Vec2 normal, LocalVector p) { return p.n * normal + p.t * perp(normal); }
 
@@ -204,7 +228,7 @@ inline void applyImpulse(const ContactPoint& c, const LocalVector& p, const Inve
 	v2.rotation += m2.rotation * cross(c.arm2, f);
 }
 
-/// Adds M⁻¹ Jᵀ p of all points and δg ∘ r to the velocities. Returns δg.
+/// Adds M⁻¹ Jᵀ p of all points and δg ∘ r to the velocities; without rolling resistance. Returns δg.
 Vec2 addImpulses(const ContactProblem&, const std::vector<LocalVector>&,
         std::vector<PlanarVector>& velocity);
 

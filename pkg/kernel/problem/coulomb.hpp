@@ -100,6 +100,19 @@ inline LocalVector projectCone(LocalVector p, double friction)
 	return { n, std::copysign(friction * n, p.t) };
 }
 
+/// The value clamped to ±most; 0 for most ≤ 0.
+inline double clampTo(double value, double most)
+{
+	return most > 0 ? std::max(-most, std::min(value, most)) : 0;
+}
+
+/// w_rr = ℓ² (1/I₁ + 1/I₂) of a point [1/kg].
+inline double rollingResponse(const ContactProblem& problem, const ContactPoint& c)
+{
+	return c.rollingLength * c.rollingLength
+	        * (problem.inverseMass[c.body1].rotation + problem.inverseMass[c.body2].rotation);
+}
+
 /// Error p − P_K(p − (u + µ|u_t| n)/w_nn) of one point (residual.hpp). `u` includes the bias b_n.
 inline LocalVector lawError(LocalVector p, LocalVector u, double friction, double wnn)
 {

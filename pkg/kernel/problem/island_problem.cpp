@@ -29,14 +29,19 @@ IslandProblem::IslandProblem(const ContactProblem& whole, std::vector<std::int32
 		c.body2        = number(c.body2);
 		problem.points.push_back(c);
 		problem.impulse.push_back(whole.impulse[k]);
+		if (!whole.rollingImpulse.empty())
+			problem.rollingImpulse.push_back(whole.rollingImpulse[k]);
 		if (!whole.recoveryBias.empty()) problem.recoveryBias.push_back(whole.recoveryBias[k]);
 	}
 }
 
 void IslandProblem::store(ContactProblem& whole) const
 {
-	for (std::size_t k = 0; k < points_.size(); ++k)
+	for (std::size_t k = 0; k < points_.size(); ++k) {
 		whole.impulse[points_[k]] = problem.impulse[k];
+		if (!whole.rollingImpulse.empty())
+			whole.rollingImpulse[points_[k]] = problem.rollingImpulse[k];
+	}
 	for (std::size_t k = 0; k < bodies_.size(); ++k) {
 		whole.velocity[bodies_[k]] = problem.velocity[k];
 		if (!whole.yielded.empty()) whole.yielded[bodies_[k]] = problem.yielded[k];

@@ -13,6 +13,9 @@ Measures measuresOf(const ContactProblem& given, double leastResponse)
 		if (w > 0)
 			m += measuresOf(problem.impulse[k], relativeVelocity(problem, c), c.bias, c.friction, w,
 			        leastResponse);
+		if (c.rolls())
+			m += rollingMeasures(problem.rollingImpulse[k], rollingVelocity(problem, c),
+			        c.rollingFriction * problem.impulse[k].n, rollingResponse(problem, c));
 	}
 	return m;
 }

@@ -3,7 +3,7 @@
 //   ‖d‖ / ‖p‖,   d = p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn),   K = { |p_t| ≤ µ p_n }
 //
 // The denominator has a lower bound (residualFromSums). The residual is 0 if and only if the laws
-// hold exactly. It is not the error of the solution: error_estimate.hpp.
+// hold exactly. Rolling resistance adds its error to the sums. It is not the error of the solution: error_estimate.hpp.
 // Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 #pragma once
 
@@ -44,6 +44,22 @@ inline Measures measuresOf(LocalVector p, LocalVector u, double bias, double fri
 	const double energy   = wnn >= leastResponse ? wnn : 0;
 	return { error2, square(p), p.n, wnn * wnn * error2, stopping * stopping,
 		-dot(p, { un, u.t }), energy * error2, energy * square(p) };
+}
+
+/// Terms of the rolling resistance of a point: d_r = p_r − (p_r − u_r/w_rr clamped to ±most).
+inline Measures rollingMeasures(double p, double u, double most, double wrr)
+{
+	if (wrr <= 0) return {};
+	const double error  = p - clampTo(p - u / wrr, most);
+	Measures     m;
+	m.error2            = error * error;
+	m.impulse2          = p * p;
+	m.kinematicError2   = wrr * wrr * m.error2;
+	m.stopping2         = u * u / (wrr * wrr);
+	m.dissipated        = -p * u;
+	m.errorEnergy       = wrr * m.error2;
+	m.impulseEnergy     = wrr * m.impulse2;
+	return m;
 }
 
 /// Residual from sums of squares over the points: error, p, and the impulse that stops a point,

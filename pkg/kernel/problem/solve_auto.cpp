@@ -23,7 +23,7 @@ static int patience(std::size_t points)
 
 Settings firstSweepsOfAuto(const Settings& settings, const IslandShape& shape)
 {
-	if (settings.tolerance == 0) return settings.forGoalOf(shape);
+	if (settings.tolerance == 0 || shape.rolls) return settings.forGoalOf(shape);
 	Settings sweeps    = settings;
 	sweeps.stallSweeps = patience(shape.points);
 	if (shape.slim()) {

@@ -4,6 +4,7 @@
 
 #include "problem/infeasibility.hpp"
 #include "problem/island_problem.hpp"
+#include "problem/refuse.hpp"
 #include "problem/residual.hpp"
 #include "problem/solve_auto.hpp"
 #include "sweep/packed_problem.hpp"
@@ -109,10 +110,18 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 	        && probeDivergence(problem, settings, workspace);
 }
 
+/// Exact steps know no rolling resistance.
+static bool rolls(const ContactProblem& problem)
+{
+	return std::any_of(problem.points.begin(), problem.points.end(),
+	        [](const ContactPoint& c) { return c.rolls(); });
+}
+
 /// Returns true if `auto` runs exact steps as `exact` does.
 static bool isTight(const ContactProblem& problem, const Settings& settings)
 {
-	return settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem);
+	return settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem)
+	        && !rolls(problem);
 }
 
 /// Sweeps of all islands together, the first stage of every solver.
@@ -130,8 +139,10 @@ static Report sweepTogether(ContactProblem& problem, const std::string& solver,
 	return solveNesterov(problem, sweeps, workspace);
 }
 
-static bool takesExactSteps(const std::string& solver, const Settings& settings)
+static bool takesExactSteps(
+        const std::string& solver, const Settings& settings, const ContactProblem& problem)
 {
+	if (rolls(problem)) return false;
 	return solver == "exact" || (solver == "auto" && settings.tolerance > 0);
 }
 
@@ -147,7 +158,7 @@ static Settings remaining(const Settings& settings, const Report& swept)
 static Report solveRigid(ContactProblem& problem, const std::string& solver,
         const Settings& settings, Report swept, Workspace& workspace)
 {
-	if (swept.converged || !takesExactSteps(solver, settings)) return swept;
+	if (swept.converged || !takesExactSteps(solver, settings, problem)) return swept;
 	if (std::isnan(swept.residual) && swept.iterations < settings.maxIterations) {
 		problem.impulse.assign(problem.points.size(), {}); // their squares overflow
 		swept = sweepTogether(problem, solver, remaining(settings, swept), workspace)
@@ -238,7 +249,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 			return true;
 		if (island.converged) return false;
 		const bool isSmall = last - first <= smallProblem || island.shape.slim(); // few sweeps
-		return (takesExactSteps(solver, settings)
+		return (takesExactSteps(solver, settings, problem)
 		               && (isSmall || island.iterations < settings.maxIterations))
 		        || (settings.mayYield() && mayDiverge(island, settings))
 		        || hasPositiveCost(problem, first, last);
@@ -267,11 +278,56 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 	return report;
 }
 
+namespace {
+
+	/// While it lives, impulses of the problem contain the pulls, p + c n, and free velocities are
+	/// those after the pulls. So the contact laws hold without them.
+	class PullSubstitution {
+	public:
+		explicit PullSubstitution(ContactProblem& problem)
+		        : problem_(problem)
+		{
+			const auto pulls = [](const ContactPoint& c) { return c.pull > 0; };
+			if (std::none_of(problem.points.begin(), problem.points.end(), pulls)) return;
+			freeVelocity_ = problem.freeVelocity;
+			std::vector<LocalVector> pull;
+			for (const ContactPoint& c : problem.points)
+				pull.push_back({ -c.pull, 0 });
+			stretchRate_ = addImpulses(problem, pull, problem.freeVelocity);
+			problem.stretchRate = problem.stretchRate - stretchRate_;
+			shift(+1);
+		}
+		PullSubstitution(const PullSubstitution&) = delete;
+		~PullSubstitution()
+		{
+			if (freeVelocity_.empty()) return;
+			problem_.freeVelocity = std::move(freeVelocity_);
+			problem_.stretchRate  = problem_.stretchRate + stretchRate_;
+			shift(-1);
+		}
+
+	private:
+		void shift(double sign)
+		{
+			for (std::size_t k = 0; k < problem_.points.size(); ++k)
+				problem_.impulse[k].n += sign * problem_.points[k].pull;
+		}
+
+		ContactProblem&           problem_;
+		std::vector<PlanarVector> freeVelocity_; // given; empty: no pull
+		Vec2                      stretchRate_;
+	};
+
+} // namespace
+
 Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings,
         Workspace& workspace)
 {
 	if (!settings.sameProblem) checkProblem(problem, workspace.team()); // bad input before settings
 	checkSettings(solver, settings);
+	if (solver == "exact" && rolls(problem))
+		refuse("solver='exact' knows no rolling friction; use 'auto', 'nesterov', 'nlgs' or 'sor'");
+	const PullSubstitution pulled(problem);
 	Report swept = sweepTogether(problem, solver, settings, workspace);
 	if (swept.islands.size() <= 1) return complete(problem, solver, settings, swept, workspace);
 	return completeIslands(problem, solver, settings, std::move(swept), workspace);

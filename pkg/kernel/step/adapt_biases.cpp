@@ -23,7 +23,7 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
 		if (contact.count == 0) return;
-		const bool hasRestitution = contact.restitution > 0;
+		const bool hasRestitution = contact.law.restitution > 0;
 		change[k] = { hasLargeDisplacement(step, contact), false, hasRestitution };
 		// no later pass would check the energy of a new push
 		if (change[k].isLarge && !nextIsLast)

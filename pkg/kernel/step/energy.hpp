@@ -1,5 +1,6 @@
 // Energy that the contacts of a step dissipate or transfer. It follows from the mean of the
-// velocities before and after the step, summed over the points:
+// velocities before and after the step, summed over the points, with rolling resistance as friction
+// and adhesion as impact:
 //
 //   T⁺ − T⁻ = Σ p · ½ (u⁻ + u⁺) − Σ p · d + external work      exact for any impulses
 //

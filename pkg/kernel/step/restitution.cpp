@@ -59,7 +59,7 @@ namespace {
 	{
 		std::vector<int> points;
 		for (const StepContact& contact : step.contacts)
-			if (contact.restitution > 0)
+			if (contact.law.restitution > 0)
 				for (int k = contact.first; k < contact.first + contact.count; ++k)
 					if (step.problem.impulse[k].n > 0) points.push_back(k);
 		const auto bodies = [&](int k) {
@@ -101,13 +101,13 @@ bool lowerRestitutionOfYielded(Step& step, bool plastic)
 {
 	bool lowered = false;
 	for (const StepContact& contact : step.contacts) {
-		if (!(contact.restitution > 0)) continue;
+		if (!(contact.law.restitution > 0)) continue;
 		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = step.problem.points[k];
 			if (!step.problem.hasYielded(c.body1) && !step.problem.hasYielded(c.body2)) continue;
 			if (!(c.bias < 0)) continue;
 			const double before  = step.initialVelocity(c).n;
-			const bool   isFull  = c.bias <= fullRestitution * contact.restitution * before;
+			const bool   isFull  = c.bias <= fullRestitution * contact.law.restitution * before;
 			const double rebound = delassus(step.problem, c).nn * step.problem.impulse[k].n;
 			if (isFull && rebound <= freeImpact * (std::abs(before) - c.bias)) continue;
 			const double after = relativeVelocity(step.problem, c).n;

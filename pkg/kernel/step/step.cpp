@@ -44,13 +44,16 @@ ContactPoint Step::contactPoint(const StepContact& contact, const ManifoldPoint&
 	c.normal   = at.normal;
 	c.arm1     = at.position - bodies[c.body1].center;
 	c.arm2     = at.position - (bodies[c.body2].center + contact.shift);
-	c.friction = contact.friction;
+	c.friction = contact.law.friction;
 	c.drift    = contact.drift;
 	c.shift    = problem.stretches() ? contact.shift : Vec2 {};
 	c.bias     = overdamped || at.gap > 0 ? at.gap / dt : 0;
-	if (overdamped || !(contact.restitution > 0)) return c;
+	if (at.gap <= contact.slop()) c.pull = dt * contact.law.adhesion;
+	if (contact.count == 1 && contact.law.rollingFriction > 0)
+		c.rollingFriction = contact.law.rollingFriction, c.rollingLength = rollingLength(contact);
+	if (overdamped || !(contact.law.restitution > 0)) return c;
 	const double u = closingVelocity(*this, c);
-	if (u < 0 && at.gap + dt * u < 0) c.bias = contact.restitution * u;
+	if (u < 0 && at.gap + dt * u < 0) c.bias = contact.law.restitution * u;
 	return c;
 }
 
@@ -58,6 +61,8 @@ void Step::resizePoints(int points)
 {
 	problem.points.resize(points);
 	problem.impulse.resize(points);
+	problem.rollingImpulse.assign(points, 0);
+	rollingMoment.assign(points, 0);
 	gap.resize(points);
 	force.resize(points);
 	widenedReach.assign(bodies.size(), 0);
@@ -70,11 +75,16 @@ void Step::resizePoints(int points)
 	intruding = {};
 }
 
-void Step::setPoints(const StepContact& c, const Manifold& manifold, const LocalVector* from)
+void Step::setPoints(const StepContact& c, const Manifold& manifold, const LocalVector* from,
+        double moment)
 {
+	if (c.count == 1 && c.law.rollingFriction > 0) {
+		rollingMoment[c.first]          = moment;
+		problem.rollingImpulse[c.first] = dt * (moment / rollingLength(c));
+	}
 	for (int k = 0; k < c.count; ++k) {
 		problem.points[c.first + k]  = contactPoint(c, manifold.points[k]);
-		gap[c.first + k]             = { manifold.points[k].gap, -c.slop(), from[k].n > 0 };
+		gap[c.first + k]             = { manifold.points[k].gap, -c.slop(), from[k].n != 0 };
 		force[c.first + k]           = from[k];
 		problem.impulse[c.first + k] = dt * from[k];
 	}
@@ -106,7 +116,10 @@ double Step::roundingVelocity(ThreadTeam& team) const
 void Step::computePointForces(ThreadTeam& team)
 {
 	const double inverseDt = 1 / dt;
-	team.forEach(force.size(), [&](std::size_t k) { force[k] = inverseDt * problem.impulse[k]; });
+	team.forEach(force.size(), [&](std::size_t k) {
+		force[k]         = inverseDt * problem.impulse[k];
+		rollingMoment[k] = inverseDt * problem.rollingImpulse[k] * problem.points[k].rollingLength;
+	});
 }
 
 } // namespace rcr

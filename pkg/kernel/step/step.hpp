@@ -2,7 +2,7 @@
 //
 // pkg/README.md lists the stages. Those between gather and scatter move bodies and contacts in these
 // arrays alone, so an error in them moves nothing in the simulation. They call the simulation to
-// filter new contacts and to obtain their friction and restitution. Bodies have the same numbers as
+// filter new contacts and to obtain their coefficients. Bodies have the same numbers as
 // in the simulation. A contact stores these numbers. A point stores the bodies that its impulse moves, for
 // a clump member its clump.
 //
@@ -15,6 +15,7 @@
 #pragma once
 
 #include "geometry/planar_shape.hpp"
+#include "problem/contact_law.hpp"
 #include "problem/contact_problem.hpp"
 
 namespace rcr {
@@ -88,8 +89,8 @@ struct StepContact {
 	std::int32_t first = 0, count = 0;
 	// index in SceneHandles::sorted, or in Pairs::all for steps in arrays; −1: new
 	std::int32_t handleIndex = -1;
-	double       friction = 0, restitution = 0;
-	double       size        = 0; // R₁ + R₂ [m]
+	ContactLaw   law;
+	double       size = 0; // R₁ + R₂ [m]
 	Vec2         shift, drift; // of the image of body 2 [m], and its relative velocity [m/s]
 
 	double slop() const { return contactSlop * size; }
@@ -107,8 +108,8 @@ struct FoundContact {
 	std::int32_t body1 = 0, body2 = 0;
 	Vec2         shift;
 	Manifold     manifold;
-	bool         known    = false; // the step has this contact already
-	double       friction = 0, restitution = 0; // of a new contact; set by the simulation
+	bool         known = false; // the step has this contact already
+	ContactLaw   law;           // of a new contact; set by the simulation
 };
 
 /// Order of contacts and pairs: by body 1, then by body 2.
@@ -193,6 +194,7 @@ struct Step {
 	std::vector<Gap>          gap;          // per point
 	ContactProblem            problem;
 	std::vector<LocalVector>  force;        // per point [N]: start of the solver, then its result
+	std::vector<double>       rollingMoment; // per point, on body 2 [N m]
 	std::vector<double>       widenedReach; // per body: widened alert distance [m]; 0: none
 	// bodies whose reach was widened since contacts were last added; empty before the first solve
 	std::vector<std::int32_t> widened;
@@ -229,7 +231,8 @@ struct Step {
 		return v + PlanarVector { change.x, change.y, 0 };
 	}
 
-	/// A detected point as a point of the problem, with the bias of the law:
+	/// A detected point as a point of the problem. A pull acts if the gap is within the slop. Rolling
+	/// resistance acts at contacts of one point. The bias of the law:
 	///
 	///   b_n = e u_n⁻  the gap closes within the step and e > 0: Newton's rule with restitution e
 	///   b_n = g/dt    open gap, and any gap of an overdamped step
@@ -240,8 +243,14 @@ struct Step {
 	void resizePoints(int points);
 
 	/// Sets the points of a contact and the forces from which the solver starts.
-	void setPoints(const StepContact&, const Manifold&, const LocalVector* force);
+	/// `rollingMoment`: of a contact of one point.
+	void setPoints(const StepContact&, const Manifold&, const LocalVector* force,
+	        double rollingMoment = 0);
 
+	double rollingLength(const StepContact& c) const
+	{
+		return rcr::rollingLength(bodies[c.body1].shape, bodies[c.body2].shape);
+	}
 	const StepContact* find(int body1, int body2) const; // null: no contact
 	double roundingVelocity(ThreadTeam&) const; // rounding error of the velocities [m/s]
 	void   computePointForces(ThreadTeam&);     // from the impulses

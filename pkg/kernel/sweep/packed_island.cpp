@@ -57,6 +57,36 @@ LocalVector PackedIsland::solve(
 	return solveCoulomb(c.w, gn, gt, c.friction);
 }
 
+template <class Real>
+double PackedIsland::rollingVelocity(const View<Real>& view, const OverflowPoint& c) const
+{
+	return c.turn2 * view.recordAt(c.record2)[record::spin]
+	        - c.turn1 * view.recordAt(c.record1)[record::spin];
+}
+
+template <class Real>
+void PackedIsland::applyRolling(const View<Real>& view, const OverflowPoint& c, double p)
+{
+	const auto turn = [&](int number, const InverseMass& mass, double arm) {
+		Real& spin = view.recordAt(number)[record::spin];
+		if (mass.rotation > 0) spin = Real(spin + mass.rotation * arm * p);
+	};
+	turn(c.record1, c.mass1, -c.turn1);
+	turn(c.record2, c.mass2, c.turn2);
+}
+
+/// Solves the rolling resistance of the point at its impulse c.p, from p_r = `from` in the
+/// velocities. Returns the change of p_r.
+template <class Real>
+double PackedIsland::roll(const View<Real>& view, OverflowPoint& c, double from)
+{
+	const double w = rollingResponse(c);
+	c.r            = w > 0 ? clampTo(from - rollingVelocity(view, c) / w, c.rollingFriction * c.p.n)
+	                       : 0;
+	applyRolling(view, c, c.r - from);
+	return c.r - from;
+}
+
 // ---- the steps of the solvers
 
 void PackedIsland::prepare()
@@ -107,7 +137,10 @@ void PackedIsland::recomputeVelocities()
 			packed_.kernels_->apply(view_, chunk);
 		});
 	});
-	forEachOverflowPoint([&](OverflowPoint& c) { applyImpulse(view_, c, c.p); });
+	forEachOverflowPoint([&](OverflowPoint& c) {
+		applyImpulse(view_, c, c.p);
+		if (c.rollingFriction > 0) applyRolling(view_, c, c.r);
+	});
 	updateStretchRate();
 	state_.measures.reset();
 	state_.velocityRecomputed = true;
@@ -125,6 +158,7 @@ void PackedIsland::sweep(double relaxation)
 			if (relaxation != 1) p = projectCone(c.p + relaxation * (p - c.p), c.friction);
 			applyImpulse(view, c, p - c.p);
 			c.p = p;
+			if (c.rollingFriction > 0) roll(view, c, c.r);
 		});
 	});
 	updateStretchRate();
@@ -171,6 +205,11 @@ double PackedIsland::sweepMomentum(View<Real>& view, const SweepKernels<Real>& k
 		c.old = c.p;
 		c.p   = next;
 		change2 += square(next - from);
+		if (!(c.rollingFriction > 0)) return;
+		const double last = c.r, start = last + momentum * (last - c.oldR);
+		const double rolled = roll(view, c, start);
+		c.oldR              = last;
+		change2 += rolled * rolled;
 	});
 	updateStretchRate();
 	return change2;
@@ -195,6 +234,9 @@ Measures PackedIsland::measure(
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		total += measuresOf(c.p, relativeVelocity(view, c), c.bias, c.friction, c.ownNn,
 		        state_.norm.leastResponse);
+		if (c.rollingFriction > 0)
+			total += rollingMeasures(
+			        c.r, rollingVelocity(view, c), c.rollingFriction * c.p.n, rollingResponse(c));
 	});
 	return total;
 }

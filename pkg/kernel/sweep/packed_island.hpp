@@ -35,8 +35,8 @@ public:
 	/// Returns ‖p − y‖² [(N s)²] with the extrapolated impulses y.
 	double sweepMomentum(double momentum, const Yielding& = {});
 
-	/// Makes sweeps and `measure` use floats. Does nothing if the island is small, if the cell
-	/// stretches, or if values or their squares come near the limits of floats.
+	/// Makes sweeps and `measure` use floats. Does nothing if the island is small or has rolling
+	/// resistance, if the cell stretches, or if values or their squares come near the limits of floats.
 	void beginMixedPrecision();
 	/// Returns to doubles: copies the impulses and recomputes the velocities from them.
 	void endMixedPrecision();
@@ -83,6 +83,15 @@ private:
 	void applyImpulse(const View<Real>&, const OverflowPoint&, const LocalVector&);
 	template <class Real>
 	LocalVector solve(const View<Real>&, const OverflowPoint&, const LocalVector& from) const;
+
+	// rolling resistance of a point of the overflow
+	template <class Real> double rollingVelocity(const View<Real>&, const OverflowPoint&) const;
+	template <class Real> void   applyRolling(const View<Real>&, const OverflowPoint&, double p);
+	template <class Real> double roll(const View<Real>&, OverflowPoint&, double from);
+	static double                rollingResponse(const OverflowPoint& c)
+	{
+		return c.mass1.rotation * c.turn1 * c.turn1 + c.mass2.rotation * c.turn2 * c.turn2;
+	}
 
 	/// Call before the velocities change. Invalidates cached velocities and measures.
 	void invalidate()

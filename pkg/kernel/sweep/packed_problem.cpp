@@ -179,7 +179,14 @@ void PackedProblem::fill(const ContactProblem& problem, const PackedPair& pair)
 	rough.friction()[lane] = c.friction;
 	rough.pt()[lane]       = p.t;
 	rough.oldPt()[lane]    = p.t;
-	if (pair.model == Model::frictional) return setLevers(FrictionalColumnsOf<double>(columns));
+	if (pair.model == Model::rolling) {
+		const RollingColumnsOf<double> rolling(columns);
+		rolling.pr()[lane] = rolling.oldPr()[lane] = problem.rollingImpulse[point];
+		rolling.rollingFriction()[lane]            = c.rollingFriction;
+		rolling.turn1()[lane]                      = c.rollingLength * scale1;
+		rolling.turn2()[lane]                      = c.rollingLength * scale2;
+	}
+	if (pair.model <= Model::frictional) return setLevers(FrictionalColumnsOf<double>(columns));
 	rough.lever1t()[lane] = dot(arm1, c.normal);
 	rough.lever2t()[lane] = dot(arm2, c.normal);
 }
@@ -217,6 +224,10 @@ void PackedProblem::addToOverflow(
 		        - uncarriedPlace(problem, c.body1);
 		to.bias         = c.bias;
 		to.friction     = c.friction;
+		to.rollingFriction = c.rollingFriction;
+		to.turn1           = c.rollingLength * scale1;
+		to.turn2           = c.rollingLength * scale2;
+		to.r = to.oldR = problem.rollingImpulseOf(k);
 		to.p = to.old = initialImpulse(problem, k);
 		overflow_.push_back(to);
 	}
@@ -249,6 +260,10 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 			if (!hasFriction(pairs[k].model)) return;
 			load(at.pt()[lane], p.t);
 			at.oldPt()[lane] = p.t;
+			if (pairs[k].model != Model::rolling) return;
+			const RollingColumnsOf<double> rolling(columns);
+			load(rolling.pr()[lane], problem.rollingImpulse[point]);
+			rolling.oldPr()[lane] = problem.rollingImpulse[point];
 		});
 	});
 	for (OverflowPoint& c : overflow_) {
@@ -257,6 +272,8 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 		load(c.p.n, p.n);
 		load(c.p.t, p.t);
 		c.old = p;
+		load(c.r, problem.rollingImpulseOf(c.point));
+		c.oldR = c.r;
 	}
 	for (IslandState& state : states_) {
 		if (changed) state.velocityRecomputed = false;
@@ -287,10 +304,14 @@ void PackedProblem::store(ContactProblem& problem)
 			const NoLeverColumnsOf<double> at(columns);
 			problem.impulse[point] = { at.pn()[lane],
 				hasFriction(pairs[k].model) ? at.pt()[lane] : 0 };
+			if (pairs[k].model == Model::rolling)
+				problem.rollingImpulse[point] = RollingColumnsOf<double>(columns).pr()[lane];
 		});
 	});
-	for (const OverflowPoint& c : overflow_)
+	for (const OverflowPoint& c : overflow_) {
 		problem.impulse[c.point] = c.p;
+		if (c.rollingFriction > 0) problem.rollingImpulse[c.point] = c.r;
+	}
 	storeVelocity(problem, problem.velocity);
 	if (stretches_) problem.setStretchRate(stretchRate_);
 }

@@ -64,6 +64,8 @@ private:
 		Delassus     w;     // with the response of a cell whose rate does not lag
 		double       ownNn; // w_nn of the bodies alone
 		LocalVector  p, old;
+		double       rollingFriction, turn1, turn2; // ℓ/k: lever arms of scaled spins
+		double       r, oldR;                       // p_r
 		LocalVector  reference; // u of the reference of floats
 	};
 

@@ -9,7 +9,8 @@
 //
 // | model            | holds for                             | unknowns | numbers of a body |
 // |------------------|---------------------------------------|----------|-------------------|
-// | frictional       | any pair                              | p_n, p_t | 4                 |
+// | rolling          | rolling resistance: one point         | all      | 4                 |
+// | frictional       | any pair without                      | p_n, p_t | 4                 |
 // | noLever          | discs: no normal has a lever          | p_n, p_t | 4                 |
 // | frictionless     | µ = 0                                 | p_n      | 4                 |
 // | frictionlessDisc | µ = 0, no lever on the whole island   | p_n      | 2                 |
@@ -34,6 +35,9 @@
 // | 1/w_nn | inverseNn      | kg   | 0 in empty slots                                        |
 // | r      | ratio          | –    | w_nt / w_nn                                             |
 // | 1/z    | inverseSchur   | kg   | z = w_tt − w_nt²/w_nn                                   |
+// | t      | turn…          | –    | ℓ/k: lever arms of rolling resistance                   |
+// | w_r    | response…      | 1/kg | u_r that unit impulses p_n and p_t cause                |
+// | 1/w_rr | inverseRr      | kg   | p_r that unit u_r needs                                 |
 // | d±     | slide…         | –    | µ/(1 ± µ r), largest ±p_t/n₀; unlimited if 1 ± µ r ≤ 0  |
 //
 // n₀ is the normal impulse without friction (point_models.hpp).
@@ -52,8 +56,8 @@ constexpr int blockWidth = 16;
 template <class Real>
 constexpr Real unlimited = sizeof(Real) == sizeof(double) ? Real(1e300) : Real(1e30);
 
-enum class Model : std::uint8_t { frictional, noLever, frictionless, frictionlessDisc };
-constexpr int models = 4;
+enum class Model : std::uint8_t { rolling, frictional, noLever, frictionless, frictionlessDisc };
+constexpr int models = 5;
 
 /// Returns true if the points of this model have a tangential impulse.
 constexpr bool hasFriction(Model model) { return model <= Model::noLever; }
@@ -149,10 +153,26 @@ template <class Real> struct FrictionalColumnsOf : NoLeverColumnsOf<Real> {
 	Real* slideMinus() const { return this->column(17); }
 };
 
+/// Rolling resistance: p_r, one sweep before, and its law.
+template <class Real> struct RollingColumnsOf : FrictionalColumnsOf<Real> {
+	static constexpr int count = 26;
+	using FrictionalColumnsOf<Real>::FrictionalColumnsOf;
+
+	Real* pr() const { return this->column(18); }
+	Real* oldPr() const { return this->column(19); }
+	Real* rollingFriction() const { return this->column(20); }
+	Real* turn1() const { return this->column(21); }
+	Real* turn2() const { return this->column(22); }
+	Real* responseN() const { return this->column(23); }
+	Real* responseT() const { return this->column(24); }
+	Real* inverseRr() const { return this->column(25); }
+};
+
 /// Number of columns of a contact point.
 constexpr int columnsOf(Model model)
 {
-	constexpr int count[models] { FrictionalColumnsOf<double>::count, NoLeverColumnsOf<double>::count,
+	constexpr int count[models] { RollingColumnsOf<double>::count,
+		FrictionalColumnsOf<double>::count, NoLeverColumnsOf<double>::count,
 		FrictionlessColumnsOf<double>::count, FrictionlessDiscColumnsOf<double>::count };
 	return count[int(model)];
 }

@@ -129,6 +129,20 @@ namespace {
 			impulseEnergy.add(lane, pointImpulse2 * energy);
 			stopping2.add(lane, stopping * stopping);
 			dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
+			if constexpr (isRolling<decltype(c)>) {
+				const L ur = Rolling::rollingVelocity(c, lane, v1, v2), pr = L::load(c.pr() + lane),
+				        inverseRr = L::load(c.inverseRr() + lane);
+				const L wrr   = select(inverseRr <= L(0.0), L(0.0), L(1.0) / inverseRr);
+				const L error = pr - clampTo(pr - ur * inverseRr, Rolling::most(c, lane, p));
+				const L turns = select(inverseRr <= L(0.0), L(0.0), error * error);
+				error2.add(lane, turns);
+				impulse2.add(lane, pr * pr);
+				kinematicError2.add(lane, turns * wrr * wrr);
+				errorEnergy.add(lane, turns * wrr);
+				impulseEnergy.add(lane, pr * pr * wrr);
+				stopping2.add(lane, ur * ur * inverseRr * inverseRr);
+				dissipated.add(lane, L(0.0) - pr * ur);
+			}
 		});
 		return { error2.total(), impulse2.total(), normal.total(), kinematicError2.total(),
 			stopping2.total(), dissipated.total(), errorEnergy.total(), impulseEnergy.total() };
@@ -196,6 +210,15 @@ namespace {
 		slide(L(1.0) - slope).store(c.slideMinus() + lane);
 	}
 
+	inline void preparePoint(const RollingColumns& c, int lane, L m1, L m2)
+	{
+		preparePoint(static_cast<const FrictionalColumns&>(c), lane, m1, m2);
+		const L turn1 = L::load(c.turn1() + lane), turn2 = L::load(c.turn2() + lane);
+		(m1 * (lever1n(c, lane) * turn1) + m2 * (lever2n(c, lane) * turn2)).store(c.responseN() + lane);
+		(m1 * (lever1t(c, lane) * turn1) + m2 * (lever2t(c, lane) * turn2)).store(c.responseT() + lane);
+		inverse(m1 * (turn1 * turn1) + m2 * (turn2 * turn2)).store(c.inverseRr() + lane);
+	}
+
 	double prepare(const PackedView& view, const Chunk& chunk)
 	{
 		Sum velocity2;
@@ -218,6 +241,8 @@ namespace {
 					        const auto c = pointAt(point, i);
 					        applyImpulse(c, lane,
 					                { L::load(c.pn() + lane), tangential(c, lane) }, v1, v2);
+					        if constexpr (isRolling<decltype(c)>)
+						        Rolling::applyRolling(c, lane, L::load(c.pr() + lane), v1, v2);
 				        }
 				        storeWhole<M>(v1, at1);
 				        storeWhole<M>(v2, at2);

@@ -19,6 +19,7 @@ namespace {
 	template <class Work> inline void withModel(const Chunk& chunk, Work work)
 	{
 		switch (chunk.model) {
+			case Model::rolling: return work(Rolling());
 			case Model::frictional: return work(Frictional());
 			case Model::noLever: return work(NoLever());
 			case Model::frictionless: return work(Frictionless());

@@ -116,6 +116,7 @@ bool Layout::classifyBodies(const ContactProblem& problem)
 /// The cheapest model that holds for a point.
 Model Layout::requiredModel(const ContactProblem& problem, const ContactPoint& c) const
 {
+	if (c.rolls()) return Model::rolling;
 	const bool friction = c.friction != 0 || !reductions_.frictionless;
 	const auto lever    = [&](int body, Vec2 arm) {
         return hasLever(problem.inverseMass[body], problem.freeVelocity[body], arm, c.normal);
@@ -139,7 +140,8 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 	bool        same  = true;
 	for (std::size_t k = 0; k < points; ++count) {
 		const PointKey & c = pointKeys_[k], &next = pointKeys_[std::min(k + 1, points - 1)];
-		const bool       joins = k + 1 < points && next.body1 == c.body1 && next.body2 == c.body2;
+		const bool       joins = k + 1 < points && next.body1 == c.body1 && next.body2 == c.body2
+		        && c.required != Model::rolling && next.required != Model::rolling;
 		const Model      required = joins ? common(c.required, next.required) : c.required;
 		const PackedPair pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, required,
 			required, c.crossesMovingCell || (joins && next.crossesMovingCell),
@@ -296,14 +298,16 @@ void Layout::chooseModels(Island& island)
 	const int all           = island.pairs.end - island.pairs.begin;
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
 		++count[int(pairs_[byIsland_[k]].required)];
-	island.shape.frictional = count[int(Model::frictional)] + count[int(Model::noLever)] > 0;
+	island.shape.rolls      = count[int(Model::rolling)] > 0;
+	island.shape.frictional = island.shape.rolls
+	        || count[int(Model::frictional)] + count[int(Model::noLever)] > 0;
 	const bool small  = all <= maxOverflowIsland;
 	const auto many   = [&](int pairs) { return small || minModelShare * pairs >= all; };
 	const bool discs  = many(count[int(Model::noLever)]),
 	           smooth = many(count[int(Model::frictionless)] + count[int(Model::frictionlessDisc)]);
 	island.halfRecords = count[int(Model::frictionlessDisc)] == all && !small;
 	const auto chosen  = [&](Model required) {
-        if (required == Model::frictional) return required;
+        if (required <= Model::frictional) return required;
         if (required == Model::noLever) return discs ? required : Model::frictional;
         if (!smooth)
             return discs && required == Model::frictionlessDisc ? Model::noLever
