@@ -484,13 +484,14 @@ def files(folder):
     ("--resume --strain 0.005", "beyond --strain 0.005; give no less than it has"),
     ("--resume --networks 4", "has reached its strain with --networks 2"),
 ])  # fmt: skip
-def test_script_refuses_the_folder_of_another_run(done, arguments, message, capfd):
+def test_script_refuses_the_folder_of_another_run(done, arguments, message):
     before = files(done)
-    run = forked.run(capfd, SCRIPT, *SMALL, *arguments.split(), "--out", done)
+    run = forked.run(SCRIPT, *SMALL, *arguments.split(), "--out", done)
     assert message in complaint(run)
     assert files(done) == before
 
 
+@of_the_control
 def test_wide_samples_shear_more_slowly(packing):
     """Beyond `approach`, ρ (ε̇ W)²/σ₀ falls to its bound."""
     parameters = dict(approach=0.003, inertial_number=5e-4, sample_inertia=2e-5)
