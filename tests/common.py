@@ -1,5 +1,6 @@
-"""Parts of tests: refusals, processes, waiting, stand-ins for other programs and their tables."""
+"""Parts of tests: refusals, warnings, processes, waiting, stand-ins for other programs."""
 
+import contextlib
 import json
 import subprocess
 import sys
@@ -13,6 +14,11 @@ def refused(says, call, *arguments, error=ValueError, **options):
     with pytest.raises(error, match=says) as raised:
         call(*arguments, **options)
     return str(raised.value)
+
+
+def warns(match, when=True):
+    """Block that gives a UserWarning with this pattern; if not `when`, it gives none."""
+    return pytest.warns(UserWarning, match=match) if when else contextlib.nullcontext()
 
 
 def ended(*command, code=0, **settings):

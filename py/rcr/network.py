@@ -95,11 +95,8 @@ class Network(ForceStatistics):
     @classmethod
     def load(cls, path):
         """Return the network of a file, or a ValueError for damage, an OSError for no access."""
-        import h5py
-
         with files.reading(path, "an HDF5 file"):
-            files.check_seal(path)
-            with h5py.File(path, "r") as file:
+            with files.open_hdf5(path) as file:
                 groups = ("particles", "contacts")
                 if not set(groups) <= set(file):
                     raise ValueError(f"it holds {sorted(file)}; expected the groups {groups}")

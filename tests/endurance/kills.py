@@ -3,7 +3,7 @@
 
     scripts/lib/run python3 tests/endurance/kills.py writes 1000 runs 50 campaigns 5
 
-writes     kills a process that writes files; each file must be one of its versions
+writes     kills two processes that write the same files; each file must be one of its versions
 runs       kills and resumes scripts/biaxial.py; compares the results of each complete run
 campaigns  kills scripts/campaign three times and resumes it; compares runs and analysis
 """
@@ -22,6 +22,7 @@ TESTS = pathlib.Path(__file__).resolve().parents[1]
 SCRIPTS = TESTS.parent / "scripts"
 sys.path[:0] = [str(TESTS), str(TESTS / "python")]
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a process that forks has no other threads
 import numpy as np
 import synthetic
 from rcr import problems, script
@@ -75,31 +76,59 @@ def writers(folder):
     }
 
 
+def forked(work):
+    """Id of a fork of this process, which does this endless work."""
+    child = os.fork()
+    if child == 0:
+        try:
+            work()
+        finally:
+            os._exit(1)
+    return child
+
+
 def kill_writes(count, folder, rng):
     made = writers(folder)
-    for path, (write, _) in made.items():
-        write(path, 0)
-    for _ in range(count):
-        child = os.fork()
-        if child == 0:
-            version = 0
-            while True:
-                version = 1 - version
-                for path, (write, _) in made.items():
-                    write(path, version)
-        time.sleep(rng.uniform(0, 0.03))
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
+
+    def write_all(version):
+        for path, (write, _) in made.items():
+            write(path, version)
+
+    def write_endlessly():
+        while True:
+            write_all(1)
+            write_all(0)
+
+    def read_all(when):
         for path, (_, read) in made.items():
             try:
                 read(path)
             except Exception as error:
-                raise SystemExit(f"kills.py: {path.name} was damaged by a kill: {error}")
+                raise SystemExit(f"kills.py: {path.name} was damaged {when}: {error}")
+
+    def check_parts(most):
         parts = [path for path in folder.iterdir() if path not in made]
-        if len(parts) > len(made):
+        if len(parts) > most:
             raise SystemExit(f"kills.py: kills have left {len(parts)} parts of files; wanted at "
-                             f"most one for each of {len(made)}")
-    return f"{count} SIGKILLs, {len(made)} kinds of files, all whole"
+                             f"most {most}")
+
+    write_all(0)
+    for _ in range(count):
+        children = [forked(write_endlessly), forked(write_endlessly)]
+        try:
+            time.sleep(rng.uniform(0, 0.03))
+            read_all("by two writers")
+        finally:
+            for child in children:
+                os.kill(child, signal.SIGKILL)
+            ends = [os.waitpid(child, 0)[1] for child in children]
+        if not all(map(os.WIFSIGNALED, ends)):
+            raise SystemExit("kills.py: a writer has failed before its kill")
+        read_all("by a kill")
+        check_parts(len(made))
+    write_all(0)
+    check_parts(0)
+    return f"{count} times two SIGKILLs, {len(made)} kinds of files, all whole"
 
 
 def biaxial(out):

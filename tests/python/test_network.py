@@ -1,9 +1,11 @@
 """`rcr.Network` on networks of known tensors, without YADE."""
 
+import sys
+
 import h5py
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from rcr.frame import Frame
 from rcr.network import Network
@@ -252,6 +254,7 @@ def test_attributes_return_from_a_file(tmp_path):
 
 @given(xi=st.one_of(st.floats(), st.integers(), st.none(), st.text(max_size=2), st.booleans(),
                     st.complex_numbers(), st.lists(st.floats(), max_size=3)))
+@example(xi=sys.float_info.max)
 def test_cutoffs_are_checked(xi):
     """Numbers ≥ 0 give numbers; anything else is refused."""
     test = random_network(50)

@@ -342,7 +342,8 @@ def moments_of(path):
     """Grey values (h, w) of the moments of a film."""
     from PIL import Image, ImageSequence
 
-    return [np.asarray(moment.convert("L")) for moment in ImageSequence.Iterator(Image.open(path))]
+    with Image.open(path) as film:
+        return [np.asarray(moment.convert("L")) for moment in ImageSequence.Iterator(film)]
 
 
 @pytest.mark.parametrize("names, timed", [(["b", "a", "c"], True), (["2", "9", "10"], False)])

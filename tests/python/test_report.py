@@ -292,9 +292,14 @@ def test_records_and_networks_with_yielded_steps_are_left_out(folders, tmp_path)
     refused("include them with --include-yielded", Run.read, every)
 
 
+def test_script_refuses_yielded_records(folders, tmp_path):
+    folder = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "marked")
+    assert_refused("--include-yielded", folder, "--out", tmp_path / "new")
+
+
+@pytest.mark.slow
 def test_script_includes_yielded_records_on_demand(folders, tmp_path):
     folder, new = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "marked"), tmp_path / "new"
-    assert_refused("--include-yielded", folder, "--out", new)
     network_script(folder, "--include-yielded", "--out", new)
     assert "in 3 of 51 records" in (new / "report.html").read_text()
 

@@ -16,7 +16,6 @@ REFERENCE = json.loads((pathlib.Path(__file__).parent / "reference.json").read_t
 FORCE, ELSE = 1e-3, 1e-5
 
 
-@pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("name", cases.CASES)
 def test_results_equal_the_reference(name):
     found = cases.CASES[name]()

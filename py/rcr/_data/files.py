@@ -176,13 +176,20 @@ def read_json(path, kind, **members):
         return found
 
 
-def check_seal(path):
-    """Raise a ValueError if a sealed file is damaged; HDF5 itself can miss damage or hang."""
+def open_hdf5(path):
+    """Open an HDF5 file for reading; a ValueError if it is sealed and damaged.
+
+    HDF5 itself can miss damage or hang. Its lock is off: files are whole once they have their name,
+    and it would reject a file whose writer has not yet released the lock of `atomic_path`.
+    """
+    import h5py
+
     with open(path, "rb") as file:
         content = file.read()
     digest = hashlib.sha256(content[:-76]).hexdigest().encode()
     if content[-76:-64] == SEAL and content[-64:] != digest:
         raise ValueError("damaged: its check sum is wrong")
+    return h5py.File(path, "r", locking=False)
 
 
 def check_size(name, size, path):

@@ -115,10 +115,7 @@ def _load_npz(path):
 
 
 def _load_fclib(path):
-    import h5py
-
-    files.check_seal(path)
-    with h5py.File(path, "r") as file:
+    with files.open_hdf5(path) as file:
         if "fclib_local" not in file:
             others = [name for name in ("fclib_global", "fclib_global_rolling") if name in file]
             found = f" but {others[0]}" if others else ""

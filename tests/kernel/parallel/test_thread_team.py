@@ -26,7 +26,8 @@ def test_loop_of_several_slices(count):
         from rcr import _kernel
         assert _kernel.ThreadTeam().loop_counts(2, {count}) == [1] * {count}
     """
-    assert run(code).wait() == 0
+    with run(code) as process:
+        assert process.wait() == 0
 
 
 @pytest.mark.parametrize("chunks", [False, True])
@@ -63,7 +64,8 @@ def test_team_works_with_fewer_threads():
         assert (solve() == alone).all() and team.loop_counts(64, 5000) == [1] * 5000
         assert few < 63 == _kernel.helper_count(), (few, _kernel.helper_count())
     """
-    assert run(code).wait() == 0
+    with run(code) as process:
+        assert process.wait() == 0
 
 
 @pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2,

@@ -1,12 +1,8 @@
 """Files are written atomically with the user's permissions; readers name damaged ones."""
 
-import multiprocessing
 import os
 import pathlib
-import random
-import signal
 import sys
-import time
 
 import h5py
 import numpy as np
@@ -15,11 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcr._data import files
 from rcr._data.files import atomic_path
+from rcr.network import Network
 
-from common import python, refused
+import synthetic
+from common import ended, python, refused
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "endurance"))
-import kills
+KILLS = pathlib.Path(__file__).parents[2] / "endurance" / "kills.py"
 
 
 @pytest.mark.parametrize("name", ["ä.txt", "ü" * 127], ids=["short", "longest"])
@@ -72,36 +69,9 @@ files.write(sys.argv[1], bytes(10**6))
     assert path.read_bytes() == b"old" and [p.name for p in tmp_path.iterdir()] == ["kept"]
 
 
-def _fill(path, letter):
-    while True:
-        files.write(path, letter * 100_000)
-
-
-def test_two_writers_at_once_and_kills(tmp_path):
-    """The file is whole and of one writer; a kill leaves one part, which the next write removes."""
-    path = tmp_path / "shared"
-    files.write(path, b"a" * 100_000)
-    rng = np.random.default_rng(1)
-    for _ in range(20):
-        writers = [multiprocessing.get_context("fork").Process(target=_fill, args=(path, letter))
-                   for letter in (b"a", b"b")]
-        for writer in writers:
-            writer.start()
-        time.sleep(rng.uniform(0.01, 0.05))
-        found = path.read_bytes()
-        for writer in writers:
-            os.kill(writer.pid, signal.SIGKILL)
-            writer.join()
-        assert found in (b"a" * 100_000, b"b" * 100_000)
-        assert path.read_bytes() in (b"a" * 100_000, b"b" * 100_000)
-        assert len(list(tmp_path.iterdir())) <= 2
-    files.write(path, b"c")
-    assert path.read_bytes() == b"c" and len(list(tmp_path.iterdir())) == 1
-
-
-def test_killed_writes_leave_whole_files(tmp_path):
-    """A few kills of tests/endurance/kills.py."""
-    assert kills.kill_writes(25, tmp_path, random.Random(1)).startswith("25 SIGKILLs")
+def test_two_writers_at_once_and_kills():
+    """Files are whole and of one writer; a kill leaves one part, which the next write removes."""
+    assert "25 times two SIGKILLs" in ended(sys.executable, "-W", "error", KILLS, "writes", 25).stdout
 
 
 def test_hdf5_and_tables_in_memory(tmp_path):
@@ -110,6 +80,14 @@ def test_hdf5_and_tables_in_memory(tmp_path):
     with h5py.File(tmp_path / "x.h5") as file:
         assert file["x"][()].tolist() == list(range(10))
     assert files.table(["a", "b"], [dict(a=1, c=2), dict(b="x,y")]) == 'a,b\n1,\n,"x,y"\n'
+
+
+def test_an_hdf5_file_is_read_before_its_writer_releases_the_lock(tmp_path):
+    """The lock of `atomic_path` outlives the rename for a moment."""
+    path = tmp_path / "network-0.1.h5"
+    synthetic.random_network(10).save(path)
+    with files.locked(path):
+        assert len(Network.load(path).contacts["body1"]) == 10
 
 
 @given(st.text(max_size=50))

@@ -123,13 +123,12 @@ def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
         "with run_folder.claim_folder(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), "
         "[]) as begin: begin(); print('in', flush=True); sys.stdin.read()"
     )
-    other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE,
-                             stdout=subprocess.PIPE)
-    assert other.stdout.readline() == b"in\n"
-    for how in ({}, dict(resume=True), dict(overwrite=True)):
-        refused("another process is writing there", make, tmp_path, **how)
-    other.kill()
-    other.wait()
+    with subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE,
+                          stdout=subprocess.PIPE) as other:
+        assert other.stdout.readline() == b"in\n"
+        for how in ({}, dict(resume=True), dict(overwrite=True)):
+            refused("another process is writing there", make, tmp_path, **how)
+        other.kill()
     make(tmp_path)
 
 

@@ -9,7 +9,7 @@ import rcr
 from benchmarks.hard_scenes import driven
 from rcr import particle
 from scenes import (build, heap, iterations, material, refused, set_state, solver, squeezed, steps,
-                    weightless)
+                    warns, weightless)
 from yade import O
 from yade.wrapper import Body
 
@@ -19,7 +19,8 @@ BOUNDS = {"ended", "speed", "force"}
 
 def assert_within_bounds(scene):
     """Run the scene under both laws; returns the course of the rigid run."""
-    rigid, springs = driven.run(scene)
+    with warns("body #0 turns about its own centre", when=scene.motion == "rotating"):
+        rigid, springs = driven.run(scene)
     broken = BOUNDS & set(driven.violations(scene, rigid, springs))
     assert not broken, f"{scene}\n{rigid}\n{springs}"
     return rigid
@@ -136,7 +137,8 @@ def test_all_passes_of_a_squeeze_have_ten_times_the_sweeps():
         weightless(*(rcr.disc((x * R, y * R), R, material=smooth)
                      for x, y in ((0, 10), (second, 10), (0, 0), (2.5, 0), (4.7, 0))),
                    tolerance=0, maxIterations=10, solver="nlgs", correction=0)
-        O.step()
+        with warns("bodies #0 and #1 overlap", when=second < 2):
+            O.step()
         set_state(2, vel=(1000 * R, 0, 0))
         taken[second], = iterations(1)
     assert taken[2.1] > 10, "the step has one pass: the test tests nothing"
@@ -147,7 +149,8 @@ def test_a_squeeze_takes_the_largest_number_of_sweeps():
     smooth = material(0)
     weightless(*(rcr.disc((x, 0), 0.01, material=smooth) for x in (0, 0.019)),
                maxIterations=2**31 - 1)
-    steps(3)
+    with warns("bodies #0 and #1 overlap"):
+        steps(3)
     assert solver().missedSteps == 0 and solver().deepestOverlap > 0.02
 
 
@@ -250,10 +253,12 @@ def test_only_a_squeeze_with_a_drive_ends_the_run(speed, capfd):
     build(rcr.wall("y", 0, 1, material=smooth), *column, heavy,
           rcr.wall("x", 5, material=smooth, velocity=speed), maxIterations=1, solver="nlgs",
           tolerance=1e-8, dt=1e-3)
-    if speed:
-        refused("not converged: bodies", O.run, 200, True, error=RuntimeError)
-    else:
-        O.run(200, True)
+    with warns("body #21, a Sphere, has the mass"):
+        if speed:
+            refused("not converged: bodies", O.run, 200, True, error=RuntimeError)
+        else:
+            O.run(200, True)
+    if not speed:
         assert solver().deepestOverlap > 0.05 and "have not converged" in capfd.readouterr().err
 
 

@@ -6,6 +6,7 @@ docs/measurements/hard-scenes.md describes the scenes. S20 is test_same_bits.py.
 import pytest
 from benchmarks import hard_scenes
 from benchmarks.hard_scenes import COARSE, SCENES
+from common import warns
 
 SLOW = ("s01_grain_on_pile", "s03_cold_box", "s04_together", "s10_shuffled", "s19_pyramid",
         "s19_disc_pyramid", "s19_tall_stack", "s04_mass_ratio")
@@ -25,7 +26,8 @@ def parameters(fails):
 
 def run(name, **how):
     shortened = dict(seconds=SHORTENED[name]) if name in SHORTENED else {}
-    return hard_scenes.run(name, **how, **shortened)
+    with warns("bodies #1 and #2 overlap", when=name.startswith("s06_")):
+        return hard_scenes.run(name, **how, **shortened)
 
 
 @pytest.mark.parametrize("name", parameters(FAILS))

@@ -5,7 +5,7 @@ import pytest
 import rcr
 from kernel.contact_problems import jacobian_times, problem_of_rows, weights
 from benchmarks.measure import error
-from scenes import box, build, material, pile, solver as engine, stadium, steps
+from scenes import box, build, material, pile, solver as engine, stadium, steps, warns
 from yade import O, utils
 
 
@@ -70,7 +70,8 @@ def test_model_follows_the_scene():
                     material=smooth)
             for heap in range(3) for row in range(4) for column in range(5)),
           tolerance=1e-6, maxIterations=5000, solver="nesterov")
-    steps(3)
+    with warns("bodies #26 and #31 overlap .* more pairs"):
+        steps(3)
     model = engine().model
     assert model["islands"] == 3 and model["fixed"] == 1
     assert model["bodies"] == 60 and model["rotations"] == 0

@@ -152,14 +152,16 @@ def compile_command(source, folder):
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("ninja") or not (BUILD / "build.ninja").exists(),
                     reason="needs the build folder")
-def test_law_of_the_page(tmp_path):
+def test_laws_of_the_page(tmp_path):
     """Compiled with the build's options and loaded before rcr; the build's files stay."""
     page = ROOT / "docs" / "extending.md"
-    (law,) = blocks(page, "cpp")
-    assert len(law.splitlines()) < 60
-    (name,) = re.findall(r"Put this into `(pkg/dem/[\w/]+\.cpp)`", page.read_text())
-    source = tmp_path / pathlib.Path(name).name
-    source.write_text(law)
+    laws = blocks(page, "cpp")
+    assert all(len(law.splitlines()) < 65 for law in laws)
+    names = re.findall(r"Put\s+this\s+into\s+`pkg/dem/contacts/(\w+)\.cpp`", page.read_text())
+    assert len(names) == 2 and all("YADE_PLUGIN" in law and f"({name}))" in law
+                                   for name, law in zip(names, laws, strict=True))
+    source = tmp_path / "laws.cpp"  # one translation unit, as in the build
+    source.write_text("\n".join(laws))
     command, compiled = compile_command(source, tmp_path)
     subprocess.run(command, cwd=BUILD, check=True, timeout=3600)
     (plugin,) = (ROOT / "py" / "rcr").glob("_plugin*.so")

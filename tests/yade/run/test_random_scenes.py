@@ -16,7 +16,7 @@ from common import ended
 from scenes import steps
 from yade import O, wrapper
 
-pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
+pytestmark = pytest.mark.filterwarnings("ignore:rcr. :UserWarning")  # any of them
 FOLDER = pathlib.Path(scene_fuzzer.__file__).parent
 SCENES = 25
 LOST = 0.5e3  # most bytes a scene; measured 0.1e3, about one contact

@@ -60,7 +60,6 @@ OLDER = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL",
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore::UserWarning")
 def test_another_processor_with_fma_changes_no_bit():
     """60 long grains, sheared in two processes, one with fewer instructions and two threads."""
     one, two = (python(SMALL.format(threads=threads, lanes=lanes), **changes).stdout

@@ -41,7 +41,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("script, arguments, message", REFUSED)
-def test_one_line_says_what_is_wrong(script, arguments, message, tmp_path, capfd):
-    done = forked.run(capfd, script, "--out", tmp_path / "out", *arguments.split())
+def test_one_line_says_what_is_wrong(script, arguments, message, tmp_path):
+    done = forked.run(script, "--out", tmp_path / "out", *arguments.split())
     assert message in complaint(done)
     assert not (tmp_path / "out" / "summary.json").exists()

@@ -82,6 +82,11 @@ def packing(request, tmp_path_factory):
     return Packing(request.param, folder, test.isotropic, points, net, test.mean_stresses)
 
 
+# Of speeds and records, which do not depend on the grains.
+of_the_control = pytest.mark.parametrize(
+    "packing", [0.0, pytest.param(0.5, marks=pytest.mark.slow)], indirect=True)
+
+
 def test_frictionless_packing_is_isostatic(packing):
     """The number of forces is that of equations: 2 a disc, 3 a long particle, 1 a mobile wall; none
     for rattlers and for motions along flat sides, 1.5 %. Walls lower the coordination number Z.
@@ -116,6 +121,7 @@ def test_checkpoint_continues_to_the_same_bits(packing, tmp_path):
     assert np.array_equal(state(test), straight) and shown(test) == rows
 
 
+@of_the_control
 def test_records_do_not_depend_on_the_length_of_runs(packing):
     """The ramp of the wall ends within the 24 records."""
 
@@ -176,7 +182,7 @@ def reports(eta, particles, of, seed=1):
     return found
 
 
-@pytest.mark.parametrize("eta", [0.1, 0.7])
+@pytest.mark.parametrize("eta", [pytest.param(0.1, marks=pytest.mark.slow), 0.7])
 def test_collapse_ends_where_the_grains_carry_the_load(eta):
     """A longer collapse compresses a large packing to tens of σ₀."""
     found = reports(eta, 1000, lambda test: (test.progress["phase"], test.mean_stresses.min()))
@@ -272,6 +278,7 @@ def test_damaged_checkpoints_are_refused(packing, tmp_path):
     refused("not a checkpoint of a biaxial test", Biaxial.load, tmp_path)
 
 
+@of_the_control
 def test_shear_is_fast_up_to_the_strain_approach(packing):
     """Wall speed and time step are those of I = 1e-3 up to it; faster tests stay as they are."""
     for own, fast in (((2.5e-4, 0.4), (1e-3, 0.1)), ((2e-3, 0.05), (2e-3, 0.05))):
@@ -305,6 +312,7 @@ def test_summary_has_the_inertia_of_the_sample(packing):
     assert largest_rate(test) ** 2 == pytest.approx(predicted**2, rel=0.05)
 
 
+@of_the_control
 @pytest.mark.parametrize("parameters", [
     dict(), dict(approach=0.005, inertial_number=3e-4, time_step=0.3),
     dict(approach=0, inertial_number=7e-4, time_step=0.13)])
@@ -320,6 +328,7 @@ def test_records_lie_at_multiples_of_their_strain(packing, parameters):
     assert test.strain == test.network().attributes["strain"] == test.summary()["strain"] == 0.02
 
 
+@of_the_control
 def test_the_inertial_number_of_the_summary_is_that_of_its_means(packing):
     """The option is 1e-4; the means up to a strain of 0.02 are those of the quick shear."""
     test = packing.sheared(0)
@@ -475,13 +484,14 @@ def files(folder):
     ("--resume --strain 0.005", "beyond --strain 0.005; give no less than it has"),
     ("--resume --networks 4", "has reached its strain with --networks 2"),
 ])  # fmt: skip
-def test_script_refuses_the_folder_of_another_run(done, arguments, message, capfd):
+def test_script_refuses_the_folder_of_another_run(done, arguments, message):
     before = files(done)
-    run = forked.run(capfd, SCRIPT, *SMALL, *arguments.split(), "--out", done)
+    run = forked.run(SCRIPT, *SMALL, *arguments.split(), "--out", done)
     assert message in complaint(run)
     assert files(done) == before
 
 
+@of_the_control
 def test_wide_samples_shear_more_slowly(packing):
     """Beyond `approach`, ρ (ε̇ W)²/σ₀ falls to its bound."""
     parameters = dict(approach=0.003, inertial_number=5e-4, sample_inertia=2e-5)

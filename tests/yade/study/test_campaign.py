@@ -5,6 +5,7 @@ import os
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 
 import pytest
@@ -117,15 +118,18 @@ def test_the_default_folder_is_out_campaign(tmp_path):
 @pytest.mark.parametrize("options, expected", [
     ("", dict(inertial_number=1e-4, approach=0.1, time_step=0.4, iterations=10_000, friction=0.5)),
     (" --networks 3", dict(networks=3)),
-    pytest.param(" --iterations 500 --time-step 0.05 --friction 0.3",
-                 dict(iterations=500, time_step=0.05, friction=0.3), marks=pytest.mark.slow),
+    (" --iterations 500 --time-step 0.05 --friction 0.3",
+     dict(iterations=500, time_step=0.05, friction=0.3)),
 ])  # fmt: skip
 def test_options_reach_the_tests(options, expected, tmp_path):
-    campaign(tmp_path, *SMALL, "--strain", "0.01", *options.split())
-    (folder,) = (tmp_path / "runs").iterdir()
+    """A signal stops the campaign once the record of its test is there."""
     named = options.replace(" --", "-").replace(" ", "-")
-    assert folder.name == f"particles-60-strain-0.01{named}-eta-0.5-seed-2"
-    parameters = json.loads((folder / "run.json").read_text())["parameters"]
+    record = tmp_path / "runs" / f"particles-60-strain-0.04{named}-eta-0.5-seed-2" / "run.json"
+    command, silent = [CAMPAIGN, "--out", tmp_path, *SMALL, *options.split()], subprocess.DEVNULL
+    process = start_until_written(record, command, stdout=silent, stderr=silent)
+    process.terminate()
+    assert process.wait() == 128 + signal.SIGTERM
+    parameters = json.loads(record.read_text())["parameters"]
     assert {name: parameters[name] for name in expected} == expected
 
 
@@ -148,6 +152,7 @@ def test_the_last_line_leaves_out_other_campaigns_of_the_folder(tmp_path):
     assert line.startswith("campaign.py: not complete, see above; continue with")
 
 
+@pytest.mark.slow
 @needs_snakemake
 def test_a_signal_stops_it_and_it_resumes_to_the_same_bits(tmp_path):
     signals.campaign_resumes(tmp_path, contents)
