@@ -176,6 +176,13 @@ def python(file, *defaults):
     return lambda name, arguments: script(name, sys.executable, file, *(arguments or defaults))
 
 
+def truth(name, arguments):
+    """Exact solutions against the kernels alone, and against scenes in YADE."""
+    runs = [[*arguments]] if arguments else [["--scenes", "3000"], ["--scenes", "500", "--yade"]]
+    found = [script(name, sys.executable, "tests/endurance/truth.py", *run) for run in runs]
+    return all(right for right, _ in found), "; ".join(about for _, about in found)
+
+
 def before(name, arguments):
     """Result of a check that scripts/check has run; exit code 77: it cannot run here."""
     log = FOLDER / f"check-{name}.log"
@@ -206,6 +213,7 @@ CHECKS = {
     "symmetries": (python("tests/endurance/symmetries.py", "--scenes", "3000"),
                    "random small scenes: steps commute with mirrors, turns, shifts, orders and "
                    "units"),
+    "truth": (truth, "random small scenes: what has converged is right to 1 %, by exact solutions"),
     "sessions": (python("tests/endurance/sessions.py", "--scenes", "300"),
                  "random calls that start, pause, save and replace runs in the background"),
     "soak": (python(SOAK), "random scenes with repeated changes; memory stays constant"),

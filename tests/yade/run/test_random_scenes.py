@@ -22,8 +22,8 @@ SCENES = 25
 LOST = 0.5e3  # most bytes a scene; measured 0.1e3, about one contact
 
 
-@pytest.mark.parametrize("name", ["scene_fuzzer", "run_fuzzer", "symmetries", "sessions", "soak",
-                                  "kills", "large"])
+@pytest.mark.parametrize("name", ["scene_fuzzer", "run_fuzzer", "symmetries", "truth", "sessions",
+                                  "soak", "kills", "large"])
 def test_each_script_finds_its_modules_without_pytest(name):
     assert "usage" in ended(sys.executable, FOLDER / f"{name}.py", "--help").stdout
 
