@@ -45,6 +45,33 @@ def test_kernels_stand_alone():
                 if OUTSIDE.match(line)]
 
 
+def folders_that_include_each_other(top):
+    """Sets of folders below `top` that include each other in a circle."""
+    include = re.compile(r'#include "([^"]+)"')
+    of = {str(path.relative_to(top)): str(path.parent.relative_to(top))
+          for path in top.rglob("*.[ch]pp")}
+    uses = collections.defaultdict(set)
+    for name, folder in of.items():
+        for other in include.findall((top / name).read_text()):
+            if of.get(other, folder) != folder:
+                uses[folder].add(of[other])
+
+    def reached(start):
+        seen, todo = set(), [start]
+        while todo:
+            for folder in uses[todo.pop()] - seen:
+                seen.add(folder)
+                todo.append(folder)
+        return seen
+
+    return {folder for folder in list(uses) if folder in reached(folder)}
+
+
+def test_folders_of_the_kernel_include_each_other_in_no_circle():
+    """pkg/README.md lists the folders in the order of their includes."""
+    assert folders_that_include_each_other(PKG / "kernel") == set()
+
+
 def test_headers_of_yade_are_included_in_one_file():
     """An included header that yadeHeaders.hpp lacks would make factories of YADE's classes."""
     including = {path.name for path in CODE for line in lines(path)

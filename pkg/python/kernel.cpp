@@ -8,6 +8,7 @@ PYBIND11_MODULE(_kernel, m)
 	m.attr("build") = RCR_BUILD;
 	rcr::bindGeometry(m);
 	rcr::bindSolvers(m);
+	rcr::bindSteps(m);
 	rcr::bindInternals(m);
 	rcr::bindStateMachines(m);
 	rcr::bindThreads(m);

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <initializer_list>
 
-#include "problem/solver.hpp"
+#include "solve/solve.hpp"
 
 namespace rcr {
 
@@ -57,6 +57,7 @@ template <class Row> Array arrayOf(const std::vector<Row>& rows)
 // The parts of the module.
 void bindGeometry(py::module_&);
 void bindSolvers(py::module_&);
+void bindSteps(py::module_&);
 void bindInternals(py::module_&);
 void bindStateMachines(py::module_&);
 void bindThreads(py::module_&);

@@ -60,7 +60,7 @@ TABLE = {
     "problem/settings.hpp": [
         ("estimate-ignored", "&& errorEstimate <= accuracy;", ";"),
     ],
-    "problem/solver.cpp": [
+    "solve/solve.cpp": [
         ("islands-judged-together", "swept.islands.size() <= 1", "true"),
         ("keeps-positive-cost", "if (!hasPositiveCost(problem, points.begin()",
          "if (true || !hasPositiveCost(problem, points.begin()"),
@@ -69,7 +69,7 @@ TABLE = {
         ("no-cold-start", "problem.impulse.assign(problem.points.size(), {}); // their", "//"),
         ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),
     ],
-    "problem/solve_auto.cpp": [
+    "solve/solve_auto.cpp": [
         ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
     ],
     "problem/contact_problem.cpp": [

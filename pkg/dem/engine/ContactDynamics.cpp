@@ -7,18 +7,11 @@
 #include "dem/transfer/newContacts.hpp"
 #include "dem/transfer/scatter.hpp"
 #include "dem/validation/deferredError.hpp"
-#include "kernel/correction/large_displacements.hpp"
-#include "kernel/correction/position_correction.hpp"
-#include "kernel/correction/separation.hpp"
-#include "kernel/step/adapt_biases.hpp"
 #include "kernel/step/mean_stretch.hpp"
-#include "kernel/step/restitution.hpp"
 
 namespace yade {
 
 CREATE_LOGGER(ContactDynamics);
-
-constexpr int mostPasses = 10; // most steps need one to three
 
 void ContactDynamics::action()
 {
@@ -67,7 +60,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 				return arrays
 				        && arraySteps_->advance(*scene, engines, team, handles_, impulses, step_);
 			});
-			set<&ContactDynamics::model_>(StepModel { workspace_.summary(), work_, meanStretchRate,
+			set<&ContactDynamics::model_>(StepModel { workspace_.summary(), result_.work, meanStretchRate,
 			        arraySteps_->count(),
 			        arrays ? arraySteps_->enginesReason() : "ContactDynamics.arrays = False" });
 		} while (advanced);
@@ -92,104 +85,35 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 	timed("sort", [&] { sortInteractions(*scene, handles_); });
 }
 
-/// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
-/// bodies meet whose contact was not part of the solve (a late contact). It also follows if a bias
-/// is wrong: after a large displacement, or if restitution adds energy. The last pass is not
-/// reviewed: if it leaves out a late contact, the step has not converged. Settings of each pass
-/// derive from `base`.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
-	iterations          = 0;
-	work_               = 0;
-	largeDisplacements_ = false;
 	if (tracksStretch())
 		timed("meanStretch", [&] {
 			rcr::removeDragImpulses(step_, { double(stretchChange[0]), double(stretchChange[1]) });
 		});
-	// speed of the drive, compliance of yielding contacts, impulse beyond which contacts yield
-	rcr::YieldBounds bounds = rcr::yieldBoundsOf(step_, workspace_.team());
-	rcr::Settings    base = settingsOfFirstPass(bounds), passSettings = base;
-	for (int pass = 1;; ++pass) {
-		passSettings.solutionExists = rcr::restIsAdmissible(step_, bounds.driveSpeed);
-		solvePass(passSettings);
-		if (pass == mostPasses) {
-			if (timed("lateContacts", [&] {
-				    return rcr::findLateContacts(step_, contactFilter(*scene, engines));
-			    }))
-				converged = false;
-			if (!overdamped) largeDisplacements_ |= rcr::anyLargeDisplacement(step_);
-			break;
-		}
-		const PassOutcome outcome = reviewPass(engines, pass);
-		if (outcome == PassOutcome::consistent) break;
-		// The drive is measured at contact points. The added contact may be the first one of a
-		// driven body.
-		if (outcome == PassOutcome::contactsAdded && bounds.driveSpeed == 0) {
-			bounds = rcr::yieldBoundsOf(step_, workspace_.team());
-			if (bounds.driveSpeed > 0) base = settingsOfFirstPass(bounds);
-		}
-		passSettings = settingsOfNextPass(base, outcome);
-	}
-	if (rcr::spansHalfCell(step_)) converged = false;
-	checkFinite(step_, scene->iter);
-	checkCellStress(step_, scene->iter);
-	timed("correct", [&] {
-		rcr::computeCorrection(step_, double(correction), workspace_);
-		if (!largeDisplacements_) return;
-		const double overlap = rcr::separate(step_, correction > 0, contactFilter(*scene, engines));
-		if (overlap > rcr::JamDetector::jamOverlap) converged = false;
-		if (!converged) checkEnergy(step_, scene->iter);
-	});
+	rcr::StepSettings settings = stepSettings();
+	settings.squeezed          = monitor.jam.active();
+	result_ = rcr::solveStep(step_, settings, stepHost(engines), workspace_);
+	iterations    = result_.iterations;
+	residual      = result_.residual;
+	errorEstimate = result_.errorEstimate;
+	converged     = result_.converged;
+	yielded       = result_.yielded;
+	contactPoints = int(step_.problem.points.size());
+	if (result_.largeDisplacements && !result_.converged) checkEnergy(step_, scene->iter);
 	monitorStep();
 	if (tracksStretch()) timed("meanStretch", [&] { updateMeanStretch(); });
 }
 
-void ContactDynamics::solvePass(const rcr::Settings& passSettings)
+rcr::StepHost ContactDynamics::stepHost(const validation::Engines& engines)
 {
-	const double    layoutBefore  = workspace_.layoutSeconds();
-	const rcr::Vec2 stretchBefore = step_.problem.stretchRate;
-	warmStart_                    = step_.problem.impulse;
-	// biases by which yielding contacts remove their overlaps
-	rcr::setRecoveryBias(step_, double(correction), workspace_.team());
-	const std::string name   = get<&ContactDynamics::solver>();
-	const rcr::Report report = timed(
-	        "solve", [&] { return rcr::solve(step_.problem, name, passSettings, workspace_); });
-	const double layout = workspace_.layoutSeconds() - layoutBefore;
-	// the solve contains the layout, which has a time of its own
-	times_.add("layout", layout), times_.add("solve", -layout);
-	iterations = iterations + report.iterations;
-	work_ += report.work;
-	residual       = report.residual;
-	errorEstimate  = report.errorEstimate;
-	converged      = report.converged;
-	yielded        = report.yielded;
-	contactPoints  = int(step_.problem.points.size());
-	timed("forces", [&] {
-		step_.setMemberVelocities();
-		step_.updateGradient(stretchBefore);
-		step_.computePointForces(workspace_.team());
-	});
-}
-
-ContactDynamics::PassOutcome ContactDynamics::reviewPass(
-        const validation::Engines& engines, int pass)
-{
-	const bool nextIsLast = pass == mostPasses - 1;
-	if (timed("lateContacts", [&] { return addLateContacts(*scene, engines, step_); })) {
-		// The last pass is not reviewed, so biases that separate bodies could add energy.
-		// Overdamped steps need such biases to remove overlaps.
-		if (nextIsLast && !overdamped) rcr::removeNegativeBiases(step_);
-		return PassOutcome::contactsAdded;
-	}
-	if (overdamped) return PassOutcome::consistent;
-	return timed("biasUpdate", [&] {
-		// else passes could release and load a contact in turn
-		const bool mayRelease = pass <= mostPasses / 2;
-		bool changed = rcr::adaptBiases(step_, mayRelease, nextIsLast, double(tolerance),
-		        largeDisplacements_, workspace_.team());
-		if (yielded) changed |= rcr::lowerRestitutionOfYielded(step_, nextIsLast);
-		return changed ? PassOutcome::biasChanged : PassOutcome::consistent;
-	});
+	rcr::StepHost host = newContacts(*scene, engines);
+	host.check = [this] {
+		checkFinite(step_, scene->iter);
+		checkCellStress(step_, scene->iter);
+	};
+	host.clock = [this](const char* stage, double seconds) { times_.add(stage, seconds); };
+	return host;
 }
 
 } // namespace yade

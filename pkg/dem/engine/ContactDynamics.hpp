@@ -7,12 +7,10 @@
 // restitution), else 0; b_n < 0 separates bodies. v⁻, v⁺: before and after the step; M: masses.
 //
 // Stages of a step, on arrays (kernel/step/step.hpp) from `gather` to `scatter`:
-//   gather → [ solve → review ] repeated → correct → monitor → observe → scatter
+//   gather → solveStep → monitor → observe → scatter
 //
-// `gather` copies bodies, loads and contacts, with the last forces as initial impulses. The review
-// adds late contacts (late_contacts.hpp), adapts biases after large displacements
-// (large_displacements.hpp), and lowers restitution that adds energy; each change requires another
-// pass. `correct` computes shifts that remove overlaps. `monitor` counts the step, or throws at a
+// `gather` copies bodies, loads and contacts, with the last forces as initial impulses. solveStep
+// (kernel/passes) finds impulses and shifts that remove overlaps. `monitor` counts the step, or throws at a
 // jam. In O.run, ArraySteps takes up to 100 steps between gather and scatter. `scatter` adds forces
 // p/dt and shifts to YADE's bodies; NewtonIntegrator moves them. Source: Moreau 1988, 1999; Jean
 // 1999.
@@ -25,8 +23,7 @@
 #include "dem/records/StepCost.hpp"
 #include "dem/records/StepMonitor.hpp"
 #include "dem/records/StepObserver.hpp"
-#include "kernel/problem/solver.hpp"
-#include "kernel/step/yield_bounds.hpp"
+#include "kernel/passes/solve_step.hpp"
 
 namespace yade {
 
@@ -113,20 +110,14 @@ public:
 	// clang-format on
 	DECLARE_LOGGER;
 private:
-	// Result of a pass. All outcomes but `consistent` require a further pass.
-	enum class PassOutcome { consistent, contactsAdded, biasChanged };
-
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;
-	rcr::Settings settings(const rcr::YieldBounds&) const;
-	rcr::Settings settingsOfFirstPass(const rcr::YieldBounds&);
-	rcr::Settings settingsOfNextPass(rcr::Settings base, PassOutcome) const;
+	rcr::StepSettings stepSettings() const;
+	rcr::StepHost stepHost(const validation::Engines&);
 	void          runSteps(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
-	void          solvePass(const rcr::Settings&);
 	StepOutcome   stepOutcome() const;
 	void          monitorStep();
-	PassOutcome   reviewPass(const validation::Engines&, int pass);
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setStartFlow();
 	void          updateMeanStretch();
@@ -136,9 +127,7 @@ private:
 	SceneHandles                  handles_;
 	rcr::Workspace                workspace_; // threads, colouring and packed arrays
 	std::shared_ptr<ArraySteps>   arraySteps_;
-	std::vector<rcr::LocalVector> warmStart_; // impulses from which the last problem was solved
-	double                        work_ = 0; // sweeps × points of the last step
-	bool                          largeDisplacements_ = false; // of a contact in this step
+	rcr::StepResult               result_; // of the last step
 	StepModel                     model_;
 	StepObserver                  observer_;
 	StageTimes                    times_;

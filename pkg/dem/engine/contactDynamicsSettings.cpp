@@ -7,11 +7,6 @@
 namespace yade {
 
 constexpr int    mostThreads      = 1024; // more exhaust the memory of a process
-constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further pass
-constexpr int    sweepsAllowed    = 100;  // those that a further pass may take in any case
-constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
-// factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
-constexpr int    squeezedEffort   = 10;
 constexpr int    mostIterations   = 10'000'000; // of a solve; no sum of them overflows
 
 std::string ContactDynamics::attributeError() const
@@ -44,7 +39,8 @@ std::string ContactDynamics::attributeError() const
 		return message("trackMeanStretch", "True",
 		        "overdamped = True: other bodies keep their velocities.");
 	try {
-		rcr::checkSettings(get<&ContactDynamics::solver>(), settings({}));
+		const rcr::StepSettings s = stepSettings();
+		rcr::checkSettings(s.solver, rcr::passSettings(s, {}));
 	} catch (const std::invalid_argument& error) {
 		return std::string("ContactDynamics: ") + error.what();
 	}
@@ -53,41 +49,18 @@ std::string ContactDynamics::attributeError() const
 
 int ContactDynamics::solverThreads() const { return threads > 0 ? threads : omp_get_max_threads(); }
 
-rcr::Settings ContactDynamics::settings(const rcr::YieldBounds& bounds) const
+rcr::StepSettings ContactDynamics::stepSettings() const
 {
-	rcr::Settings s;
-	s.tolerance          = double(tolerance);
-	s.maxIterations      = std::min(maxIterations, mostIterations);
-	s.accuracy           = double(accuracy);
-	s.meanForceChange    = double(meanForceChange);
-	s.threads            = solverThreads();
-	s.lanes              = lanes;
-	s.yielding           = bounds.yielding;
-	s.undriven           = rcr::YieldBounds().yielding;
-	s.yielding.compliance *= double(yieldCompliance);
-	s.undriven.compliance *= double(yieldCompliance);
-	s.yielding.yieldImpulse /= double(yieldCompliance); // infinite for 0
-	return s;
-}
-
-rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::YieldBounds& bounds)
-{
-	rcr::Settings s    = settings(bounds);
-	s.roundingVelocity  = step_.roundingVelocity(workspace_.team());
-	if (!overdamped) s.velocityTolerance = rcr::driftVelocity(step_); // else no overlap remains
-	if (monitor.jam.active()) s.maxIterations *= squeezedEffort;
-	return s;
-}
-
-/// A further pass corrects a few contacts. The residual over all contacts would not show them, so
-/// the pass runs at least ten sweeps. All passes share the iterations of the step, except for fine
-/// tolerances.
-rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome outcome) const
-{
-	if (tolerance >= fineTolerance)
-		s.maxIterations = std::max(s.maxIterations - iterations, sweepsAllowed);
-	s.minIterations = std::min(sweepsOfNextPass, s.maxIterations);
-	s.sameProblem   = outcome != PassOutcome::contactsAdded;
+	rcr::StepSettings s;
+	s.solver               = get<&ContactDynamics::solver>();
+	s.pass.tolerance       = double(tolerance);
+	s.pass.maxIterations   = std::min(maxIterations, mostIterations);
+	s.pass.accuracy        = double(accuracy);
+	s.pass.meanForceChange = double(meanForceChange);
+	s.pass.threads         = solverThreads();
+	s.pass.lanes           = lanes;
+	s.correction           = double(correction);
+	s.yieldCompliance      = double(yieldCompliance);
 	return s;
 }
 

@@ -311,16 +311,16 @@ void ArraySteps::runEngines(Scene& scene, const std::vector<Engine*>& engines) c
 /// Sets the coefficients of new contacts. Removes contacts that the scene does not allow.
 void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engines)
 {
-	const rcr::ContactFilter allows = contactFilter(scene, engines);
+	const rcr::StepHost host = newContacts(scene, engines);
 	for (rcr::Pair& pair : pairs_.all) {
 		if (!pair.isNew) continue;
 		const std::string error = validation::materialError(scene, pair.body1, pair.body2);
 		if (!error.empty()) validation::refuse(error);
-		if (!allows(pair.body1, pair.body2)) {
+		if (!host.allows(pair.body1, pair.body2)) {
 			pair.pointCount = 0;
 			continue;
 		}
-		pair.law      = newContactLaw(scene, *engines.loop, pair.body1, pair.body2);
+		pair.law      = host.law(pair.body1, pair.body2);
 		pair.formedAt = scene.iter;
 	}
 }

@@ -2,7 +2,8 @@
 
 namespace yade {
 
-rcr::ContactLaw newContactLaw(
+/// Coefficients of a new contact by the Ip2 functor of the scene.
+static rcr::ContactLaw newContactLaw(
         Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2)
 {
 	shared_ptr<Material>& one = (*scene.bodies)[id1]->material;
@@ -22,7 +23,7 @@ rcr::ContactLaw newContactLaw(
 	return phys->law();
 }
 
-rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)
+static rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)
 {
 	return [&](int id1, int id2) {
 		if (!validation::mayCollide(scene, *engines.collider, id1, id2)) return false;
@@ -36,11 +37,11 @@ rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engine
 	};
 }
 
-static void addFoundContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
+rcr::StepHost newContacts(Scene& scene, const validation::Engines& engines)
 {
-	for (rcr::FoundContact& c : step.found)
-		if (!c.known) c.law = newContactLaw(scene, *engines.loop, c.body1, c.body2);
-	rcr::addFoundContacts(step);
+	return { contactFilter(scene, engines), [&](int id1, int id2) {
+		        return newContactLaw(scene, *engines.loop, id1, id2);
+	        } };
 }
 
 void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const Engine& solver,
@@ -76,15 +77,8 @@ void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const
 	for (std::size_t id = 0; id < handles.mayLackContacts.size(); ++id)
 		if (handles.mayLackContacts[id]) unlisted.push_back(std::int32_t(id));
 	if (unlisted.empty()) return;
-	if (rcr::findUnlistedContacts(step, unlisted, contactFilter(scene, engines)))
-		addFoundContacts(scene, engines, step);
-}
-
-bool addLateContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
-{
-	if (!rcr::findLateContacts(step, contactFilter(scene, engines))) return false;
-	addFoundContacts(scene, engines, step);
-	return true;
+	const rcr::StepHost host = newContacts(scene, engines);
+	if (rcr::findUnlistedContacts(step, unlisted, host.allows)) rcr::addFoundContacts(step, host);
 }
 
 } // namespace yade

@@ -1,7 +1,7 @@
 #include "correction/separation.hpp"
 
 #include "problem/coulomb.hpp"
-#include "correction/large_displacements.hpp"
+#include "detection/large_displacements.hpp"
 
 namespace rcr {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "correction/large_displacements.hpp"
+#include "detection/large_displacements.hpp"
 #include "step/carry_forward.hpp"
 
 namespace rcr {

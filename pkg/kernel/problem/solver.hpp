@@ -1,4 +1,4 @@
-// Solvers of the contact problem: settings in, report out.
+// Methods that solve the contact problem: settings in, report out. solve/solve.hpp chooses among them.
 //
 // A solver starts from problem.impulse: the warm start, or zeros for a cold start. It writes the
 // solution to problem.impulse and the velocities to problem.velocity. The report holds the errors
@@ -108,24 +108,6 @@ Report solveExact(ContactProblem&, const Settings&, const Report& swept, Workspa
 /// Solves with yielding contacts (sweep/solve_yielding.cpp). The workspace is new or holds this
 /// problem.
 Report solveYielding(ContactProblem&, const Settings&, Workspace&);
-
-/// Runs a solver by name: nlgs, sor, nesterov, exact or auto. Lets contacts yield if required.
-///
-/// All islands are swept together. An island that has not met the criteria, or that may have no
-/// solution, is then solved alone: with exact steps, with yielding contacts, or with sweeps from
-/// zero impulses. So the verdict on an island does not depend on the others. If contacts may yield,
-/// an island that has yielded in an earlier pass of the step yields again unless a few sweeps solve
-/// it.
-///
-/// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
-/// tolerance below 1e-6, sweeps run to a residual of 1e-5, and exact steps follow. An island of up
-/// to 1000 points gets exact steps after 300 sweeps. An exact iteration of such an island counts as
-/// 20 sweeps, or as one if the residual already meets its tolerance. Slim islands get exact steps
-/// after fewer sweeps (solve_auto.hpp).
-///
-/// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
-/// checkProblem rejects.
-Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
 
 /// Sweeps with momentum from the impulses of the problem, with other biases. The workspace must
 /// hold the problem, which does not change. Returns velocities and stretch rate only.

@@ -5,7 +5,7 @@
 // therefore counted silently up to that depth. A warning is due when the deepest overlap exceeds it
 // and has doubled since the last warning. It is also due at the first yielded step, and when the
 // number of yielded steps has grown tenfold since the last warning. Steps in which bodies intrude on
-// their paths (correction/large_displacements.hpp) warn by the same rule as yielded ones.
+// their paths (detection/large_displacements.hpp) warn by the same rule as yielded ones.
 //
 // Overlaps may grow although all steps converge, if a script moves bodies or adds forces after the
 // solve. The same rule applies then. The overlap of the first step needs no warning, since the

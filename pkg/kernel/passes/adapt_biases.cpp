@@ -1,6 +1,6 @@
-#include "step/adapt_biases.hpp"
+#include "passes/adapt_biases.hpp"
 
-#include "correction/large_displacements.hpp"
+#include "detection/large_displacements.hpp"
 #include "parallel/thread_team.hpp"
 #include "step/restitution.hpp"
 

@@ -1,4 +1,4 @@
-#include "problem/solve_auto.hpp"
+#include "solve/solve_auto.hpp"
 
 #include <cmath>
 

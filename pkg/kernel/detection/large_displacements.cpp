@@ -1,4 +1,4 @@
-#include "correction/large_displacements.hpp"
+#include "detection/large_displacements.hpp"
 
 namespace rcr {
 

@@ -1,4 +1,4 @@
-#include "problem/solver.hpp"
+#include "solve/solve.hpp"
 
 #include <numeric>
 
@@ -6,7 +6,7 @@
 #include "problem/island_problem.hpp"
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
-#include "problem/solve_auto.hpp"
+#include "solve/solve_auto.hpp"
 #include "sweep/packed_problem.hpp"
 
 namespace rcr {
