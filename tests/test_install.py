@@ -25,7 +25,7 @@ needs_pip = pytest.mark.skipif(
 
 
 def without_yade(folder, *arguments, **environment):
-    """What CMake prints for a folder of build files, where neither YADE nor its headers are found."""
+    """Output of CMake for a folder of build files. CMake finds no headers of YADE there."""
     return cmake("-G", "Ninja", "-S", ROOT, "-B", folder, "-DRCR_PLUGIN=AUTO",
                  f"-DYADE_SOURCE_DIR={folder}", f"-DPython3_EXECUTABLE={sys.executable}",
                  *arguments, **environment)
@@ -76,7 +76,7 @@ def test_jupyter_finds_the_kernel_of_the_package(tmp_path):
     program, *options = kernel["argv"]
     assert options == ["-m", "ipykernel_launcher", "-f", "{connection_file}"]
     folder = kernel["env"]["PYTHONPATH"].removesuffix(":${PYTHONPATH}")
-    code = "from yade import *; from rcr import *; O.engines = [ContactDynamics()]; print(O.engines)"
+    code = "from yade import *; from rcr import *; print(ContactDynamics())"
     environment = os.environ | {"PYTHONPATH": f"{folder}:{tmp_path / SITE}"}
     assert "<ContactDynamics instance" in common.ended(program, "-c", code, env=environment).stdout
 

@@ -9,7 +9,7 @@ import common
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-# cells at the end of each notebook, on variables of the notebook
+# last cell of each notebook, by its variables
 CHECKS = dict(
     first_scene="""
 assert abs(-O.forces.f(floor)[1] / weight - 1) < 0.01  # at rest the floor carries the weight
@@ -47,8 +47,8 @@ def run_by_jupyter(path, folder):
 
     notebook = nbformat.read(path, as_version=4)
     notebook.cells.append(nbformat.v4.new_code_cell(CHECKS[path.stem]))
-    client = nbclient.NotebookClient(notebook, timeout=100, resources={"metadata": {"path": folder}})
-    client.execute()
+    resources = {"metadata": {"path": folder}}
+    nbclient.NotebookClient(notebook, timeout=100, resources=resources).execute()
     return [output for cell in notebook.cells if cell.cell_type == "code"
             for output in cell.outputs if "image/png" in output.get("data", {})]
 
