@@ -25,7 +25,7 @@ endif()
 install(FILES README.md CHANGELOG.md DESTINATION share/doc/yade-rcr)
 install(FILES LICENSE DESTINATION share/doc/yade-rcr RENAME copyright)
 install(DIRECTORY examples/ DESTINATION share/doc/yade-rcr/examples
-	FILES_MATCHING PATTERN "*.py" PATTERN "*.table")
+	FILES_MATCHING PATTERN "*.py" PATTERN "*.table" PATTERN "*.ipynb")
 
 # The Debian package: `cpack -G DEB` in the build folder. It depends on the versions of YADE and
 # Python of the build.
@@ -37,6 +37,11 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_STRIP_FILES TRUE)
 include(${CMAKE_CURRENT_LIST_DIR}/YadeHeaders.cmake)
 if(YADE_HEADERS_FOUND)
+	# Jupyter's kernel "YADE": python3 with the Python modules of YADE, which lie outside its path.
+	cmake_path(GET yade_config PARENT_PATH yade_package)
+	cmake_path(GET yade_package PARENT_PATH rcr_yade_python)
+	configure_file(${CMAKE_CURRENT_LIST_DIR}/kernel.json.in kernel.json @ONLY)
+	install(FILES ${CMAKE_BINARY_DIR}/kernel.json DESTINATION share/jupyter/kernels/yade)
 	file(GLOB rcr_amd /usr/lib/*/libamd.so.[0-9])
 	string(REGEX REPLACE ".*\\.so\\." "libamd" rcr_amd "${rcr_amd}") # package of SuiteSparse's AMD
 	math(EXPR rcr_next_python "${Python3_VERSION_MINOR} + 1")
@@ -47,7 +52,7 @@ if(YADE_HEADERS_FOUND)
 		"python3 (<< ${Python3_VERSION_MAJOR}.${rcr_next_python})"
 		${rcr_amd} libgl1 python3-numpy
 		python3-h5py python3-matplotlib python3-tqdm)
-	set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-meshio, ffmpeg")
+	set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-meshio, ffmpeg, python3-ipykernel")
 endif()
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
 	${CMAKE_CURRENT_LIST_DIR}/postinst ${CMAKE_CURRENT_LIST_DIR}/prerm)

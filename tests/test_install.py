@@ -1,10 +1,13 @@
 """The installed package loads in plain python3 and YADE; or the analysis alone is installed."""
 
+import importlib.util
+import json
 import os
 import pathlib
 import re
 import shutil
 import sys
+import zipfile
 
 import common
 import pytest
@@ -16,6 +19,16 @@ needs_cmake = pytest.mark.skipif(not shutil.which("cmake"), reason="needs cmake"
 needs_build = pytest.mark.skipif(
     not shutil.which("cmake") or not (BUILD / "cmake_install.cmake").exists(),
     reason="needs cmake and the build folder")
+needs_pip = pytest.mark.skipif(
+    not all(map(importlib.util.find_spec, ("pip", "scikit_build_core"))),
+    reason="needs pip and scikit-build-core")
+
+
+def without_yade(folder, *arguments, **environment):
+    """Output of CMake for a folder of build files. CMake finds no headers of YADE there."""
+    return cmake("-G", "Ninja", "-S", ROOT, "-B", folder, "-DRCR_PLUGIN=AUTO",
+                 f"-DYADE_SOURCE_DIR={folder}", f"-DPython3_EXECUTABLE={sys.executable}",
+                 *arguments, **environment)
 
 
 def cmake(*arguments, **environment):
@@ -49,9 +62,23 @@ def test_installed_package_is_found_and_whole(tmp_path):
 def test_debians_own_folder_under_usr(tmp_path):
     cmake("--install", BUILD, "--prefix", "/usr", DESTDIR=str(tmp_path))
     assert (tmp_path / "usr/lib/python3/dist-packages/rcr/__init__.py").exists()
-    examples = {path.name for path in (tmp_path / "usr/share/doc/yade-rcr/examples").iterdir()}
-    assert examples == {path.name for path in (ROOT / "examples").iterdir()
-                        if path.suffix in (".py", ".table")}
+    examples = [{path.relative_to(folder) for path in folder.rglob("*.*")
+                 if path.suffix in (".py", ".table", ".ipynb")}
+                for folder in (tmp_path / "usr/share/doc/yade-rcr/examples", ROOT / "examples")]
+    assert examples[0] == examples[1]
+
+
+@needs_build
+def test_jupyter_finds_the_kernel_of_the_package(tmp_path):
+    """Its Python imports YADE from the folder that YADE's own program uses."""
+    cmake("--install", BUILD, "--prefix", tmp_path)
+    kernel = json.loads((tmp_path / "share/jupyter/kernels/yade/kernel.json").read_text())
+    program, *options = kernel["argv"]
+    assert options == ["-m", "ipykernel_launcher", "-f", "{connection_file}"]
+    folder = kernel["env"]["PYTHONPATH"].removesuffix(":${PYTHONPATH}")
+    code = "from yade import *; from rcr import *; print(ContactDynamics())"
+    environment = os.environ | {"PYTHONPATH": f"{folder}:{tmp_path / SITE}"}
+    assert "<ContactDynamics instance" in common.ended(program, "-c", code, env=environment).stdout
 
 
 @pytest.fixture
@@ -104,11 +131,9 @@ def test_features_of_a_yade_of_the_user_are_defined(own_yade, tmp_path):
 
 
 @needs_cmake
-def test_analysis_alone_without_headers_of_yade(tmp_path):
-    """pip takes this path where YADE is missing; it needs no compiler."""
-    told = cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build", "-DRCR_PLUGIN=AUTO",
-                 f"-DYADE_SOURCE_DIR={tmp_path}", "-DCMAKE_CXX_COMPILER=/none",
-                 f"-DPython3_EXECUTABLE={sys.executable}")
+def test_analysis_alone_without_compiler(tmp_path):
+    """pip takes this path where YADE and a compiler are missing."""
+    told = without_yade(tmp_path / "build", CXX="/none")
     assert "Nothing is compiled" in told
     cmake("--build", tmp_path / "build")
     cmake("--install", tmp_path / "build", "--prefix", tmp_path)
@@ -127,12 +152,44 @@ except ImportError as error:
 
 
 @needs_build
-def test_pip_compiles_outside_the_clone(tmp_path):
-    """It must not replace the modules of scripts/yade-rcr."""
-    cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path, "-DSKBUILD=2", "-DRCR_PLUGIN=OFF",
-          f"-DPython3_EXECUTABLE={sys.executable}")
+def test_solver_alone_outside_the_clone(tmp_path):
+    """pip takes this path where YADE is missing; it must not replace scripts/yade-rcr's modules."""
+    told = without_yade(tmp_path, "-DSKBUILD=2")
+    assert "The solver is compiled without YADE" in told
     modules = re.findall(r"^build (\S+\.so)\b", (tmp_path / "build.ninja").read_text(), re.M)
     assert modules and not [path for path in modules if path.startswith(str(ROOT))]
+
+
+def wheel(folder, **environment):
+    """A wheel that pip makes without network and without YADE's headers."""
+    common.ended(sys.executable, "-m", "pip", "wheel", "--no-build-isolation", "--no-deps",
+                 "--no-index", f"--config-settings=cmake.define.YADE_SOURCE_DIR={folder}",
+                 "-w", folder, ROOT, cwd=folder, env=os.environ | environment)
+    (path,) = folder.glob("*.whl")
+    return path
+
+
+@needs_pip
+def test_wheel_has_the_package_alone(tmp_path):
+    with zipfile.ZipFile(wheel(tmp_path, CXX="/none")) as made:
+        names = {name for name in made.namelist() if ".dist-info/" not in name}
+    source = ROOT / "py"
+    assert names == {str(path.relative_to(source)) for path in source.rglob("*.py")}
+
+
+@needs_pip
+@pytest.mark.slow
+def test_wheel_with_the_solver_is_used_without_yade(tmp_path):
+    made = wheel(tmp_path)
+    common.ended(sys.executable, "-m", "pip", "install", "--no-deps", "--no-index", "--target",
+                 tmp_path / "site", made)
+    code = f"""
+import rcr
+found = rcr.solve({str(ROOT / "tests/data/shear-500-eta-0.7.npz")!r})
+print(rcr.__file__, found.converged)
+"""
+    assert python(code, tmp_path, tmp_path / "site").split() == [
+        str(tmp_path / "site" / "rcr" / "__init__.py"), "True"]
 
 
 @needs_cmake

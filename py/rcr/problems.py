@@ -93,8 +93,8 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     except ImportError as error:
         raise ImportError(
             f"rcr in {os.path.dirname(__file__)} has no kernels, only the analysis: the solver has "
-            "to be compiled; from the sources: pip install . "
-            "--config-settings=cmake.define.RCR_PLUGIN=OFF") from error
+            "to be compiled, with a C++ compiler and SuiteSparse (libsuitesparse-dev); from the "
+            "sources: pip install . --config-settings=cmake.define.RCR_PLUGIN=OFF") from error
     checks.choice("solver", solver, _kernel.solver_names())
     tolerance = checks.number("tolerance", tolerance, "a residual ≥ 0", lambda v: v >= 0)
     expected = "at least 1 and at most 2147483647"
