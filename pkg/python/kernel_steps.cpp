@@ -32,7 +32,7 @@ namespace {
 			        : rowsFrom<PlanarVector>(velocity.cast<Array>(), "velocity", count);
 			inverseMass_ = rowsFrom<InverseMass>(inverseMass, "inverse_mass", count);
 			for (py::ssize_t k = 0; k < count; ++k) {
-				if (!(cap[k] > 0 && std::isfinite(cap[k]) && half[k] >= 0 && std::isfinite(half[k])))
+				if (!(cap[k] > 0 && half[k] >= 0 && finite(cap[k], half[k])))
 					refuse("grain ", k, ": radius ", cap[k], " and half_length ", half[k],
 					        "; expected radius > 0 and half_length ≥ 0 [m]");
 				PlanarShape shape;
@@ -56,12 +56,13 @@ namespace {
 
 		py::dict advance(double dt)
 		{
-			if (!(dt > 0 && std::isfinite(dt))) refuse("dt = ", dt, "; expected a time step > 0 [s]");
+			if (!(dt > 0 && finite(dt)))
+				refuse("dt = ", dt, "; expected a time step > 0 [s]");
 			step_.dt = dt;
 			for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
 				StepBody& b     = step_.bodies[id];
 				b.alertDistance = alertDistance(b.shape, b.velocity, dt);
-				b.coveredPath   = b.free ? b.alertDistance : std::numeric_limits<double>::infinity();
+				if (b.free) b.coveredPath = b.alertDistance;
 				step_.problem.freeVelocity[id]
 				        = accelerated(b.velocity, inertia(id), {}, gravity_, dt);
 			}
@@ -97,7 +98,8 @@ namespace {
 		}
 		Array angle() const
 		{
-			return rows<double>([](const StepBody& b) { return 2 * std::atan2(b.turn.z, b.turn.w); });
+			return rows<double>(
+			        [](const StepBody& b) { return 2 * std::atan2(b.turn.z, b.turn.w); });
 		}
 		Array velocity() const
 		{
@@ -138,7 +140,8 @@ namespace {
 		Inertia inertia(std::size_t id) const
 		{
 			const InverseMass& m = inverseMass_[id];
-			return { m.mass(), m.rotation > 0 ? 1 / m.rotation : 0, m.x > 0, m.y > 0, m.rotation > 0 };
+			const double       moment = m.rotation > 0 ? 1 / m.rotation : 0;
+			return { m.mass(), moment, m.x > 0, m.y > 0, m.rotation > 0 };
 		}
 		/// Displaces the bodies and moves them by their velocities.
 		void move()
@@ -183,14 +186,15 @@ void bindSteps(py::module_& m)
 	py::class_<GrainSteps>(m, "GrainSteps",
 	        "Grains between walls that move by Contact Dynamics, in arrays, without YADE.\n"
 	        "\n"
-	        "All lengths [m], times [s]; masses and forces per unit depth. Grains are discs of `radius`\n"
-	        "or, with `half_length` > 0, rounded-cap rectangles.\n"
+	        "Grains are discs of `radius` or, with `half_length` > 0, rounded-cap rectangles.\n"
+	        "Lengths in m, times in s; masses and forces per unit depth.\n"
 	        "\n"
-	        "position (n, 2), radius (n,), inverse_mass (n, 3) as (1/m, 1/m, 1/I): 0 prescribes the\n"
-	        "motion; half_length, angle (n,), velocity (n, 3); walls: list of (axis 'x' or 'y',\n"
-	        "position, sense −1, 0 or 1); gravity (2,) [m/s²]; friction, restitution, adhesion [N],\n"
-	        "rolling_friction of all contacts; solver, tolerance, accuracy, max_iterations as those of\n"
-	        "ContactDynamics. Raises ValueError for wrong shapes and numbers.")
+	        "Arrays: position (n, 2), radius (n,), inverse_mass (n, 3) as (1/m, 1/m, 1/I), where 0\n"
+	        "prescribes the motion; optional half_length and angle (n,), velocity (n, 3).\n"
+	        "walls: list of (axis 'x' or 'y', position, sense −1, 0 or 1); gravity (2,) [m/s²].\n"
+	        "Of all contacts: friction, restitution, adhesion [N], rolling_friction.\n"
+	        "solver, tolerance, accuracy and max_iterations are those of ContactDynamics.\n"
+	        "Raises ValueError for wrong shapes and numbers.")
 	        .def(py::init([](const Array& position, const Array& radius, const Array& inverseMass,
 	                              const py::object& halfLength, const py::object& angle,
 	                              const py::object& velocity,
@@ -230,9 +234,10 @@ void bindSteps(py::module_& m)
 	        .def_property_readonly(
 	                "velocity", &GrainSteps::velocity, "(v_x, v_y, ω), (n, 3) [m/s, 1/s].")
 	        .def("contacts", &GrainSteps::contacts,
-	                "Contact points of the last step, a dict: bodies (nc, 2), walls follow the grains;\n"
-	                "normal (nc, 2) from body 1 to body 2; force (nc, 2) as (n, t) on body 2 [N]; gap\n"
-	                "at the beginning (nc,) [m]; rolling_moment on body 2 (nc,) [N m].");
+	                "Contact points of the last step, a dict of arrays: bodies (nc, 2), where walls\n"
+	                "follow the grains; normal (nc, 2) from body 1 to body 2; force (nc, 2) as (n, t)\n"
+	                "on body 2 [N]; gap at the beginning (nc,) [m]; rolling_moment on body 2 (nc,)\n"
+	                "[N m].");
 }
 
 } // namespace rcr

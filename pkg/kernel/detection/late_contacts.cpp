@@ -316,10 +316,8 @@ void addFoundContacts(Step& step)
 			if (restarted[c.body1] || restarted[c.body2]) points.back().bias = initial.bias;
 			impulses.push_back(step.dt * start[k].force);
 			forces.push_back(start[k].force);
-			const ContactPoint& added = points.back();
-			rollingMoments.push_back(added.rolls() ? start[k].rollingMoment : 0);
-			rollingImpulses.push_back(added.rolls()
-			                ? step.dt * (rollingMoments.back() / added.rollingLength) : 0);
+			rollingMoments.push_back(points.back().rolls() ? start[k].rollingMoment : 0);
+			rollingImpulses.push_back(step.rollingImpulse(points.back(), rollingMoments.back()));
 			// before the first solve, no body was widened
 			const bool loaded = step.widened.empty() ? start[k].force.n != 0 : start[k].loadedBefore;
 			gaps.push_back({ at.gap, -c.slop(), loaded });

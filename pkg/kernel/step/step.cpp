@@ -78,16 +78,15 @@ void Step::resizePoints(int points)
 void Step::setPoints(const StepContact& c, const Manifold& manifold, const LocalVector* from,
         double moment)
 {
-	if (c.count == 1 && c.law.rollingFriction > 0) {
-		rollingMoment[c.first]          = moment;
-		problem.rollingImpulse[c.first] = dt * (moment / rollingLength(c));
-	}
 	for (int k = 0; k < c.count; ++k) {
 		problem.points[c.first + k]  = contactPoint(c, manifold.points[k]);
 		gap[c.first + k]             = { manifold.points[k].gap, -c.slop(), from[k].n != 0 };
 		force[c.first + k]           = from[k];
 		problem.impulse[c.first + k] = dt * from[k];
 	}
+	if (c.count != 1 || !problem.points[c.first].rolls()) return;
+	rollingMoment[c.first]          = moment;
+	problem.rollingImpulse[c.first] = rollingImpulse(problem.points[c.first], moment);
 }
 
 void Step::updateGradient(Vec2 before)

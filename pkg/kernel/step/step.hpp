@@ -247,6 +247,11 @@ struct Step {
 	void setPoints(const StepContact&, const Manifold&, const LocalVector* force,
 	        double rollingMoment = 0);
 
+	/// p_r of a moment [N s].
+	double rollingImpulse(const ContactPoint& c, double moment) const
+	{
+		return c.rolls() ? dt * (moment / c.rollingLength) : 0;
+	}
 	double rollingLength(const StepContact& c) const
 	{
 		return rcr::rollingLength(bodies[c.body1].shape, bodies[c.body2].shape);

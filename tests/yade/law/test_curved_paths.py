@@ -288,7 +288,7 @@ def test_a_bed_of_500_grains_keeps_overlaps_small(columns, height):
     steps(800)
     assert solver().deepestOverlap < 5e-3 and solver().yieldedSteps == 0
     # long grains whose estimated error stays above its goal for 1000 sweeps
-    assert solver().missedSteps <= 40
+    assert solver().missedSteps <= 48  # of 800
 
 
 def test_two_rods_collide_alike_in_either_order():

@@ -38,7 +38,7 @@ def test_a_column_rests():
 def test_steps_have_the_bits_of_yade():
     """Rods and discs that fall on a wall, with restitution."""
     rng, m, count = np.random.default_rng(3), material(0.4), 30
-    at = np.array([(0.25 * (k % 6), 0.15 + 0.25 * (k // 6)) for k in range(count)])
+    at = np.array([(0.35 * (k % 6), 0.2 + 0.35 * (k // 6)) for k in range(count)])
     angle, half = rng.uniform(0, 3, count), np.where(np.arange(count) % 2, 0.05, 0.0)
     bodies = [rcr.disc(p, R, material=m) if a == 0
               else rcr.particle(p, R + a, a / (R + a), t, m) for p, a, t in zip(at, half, angle)]

@@ -2,9 +2,7 @@
 // Compiled like lane.hpp.
 #pragma once
 
-#include <type_traits>
-
-#include "sweep/lane/point_models.hpp"
+#include "sweep/lane/rolling_model.hpp"
 
 // Lambdas of inner loops: a call costs a tenth of a point.
 #define INLINE __attribute__((always_inline))

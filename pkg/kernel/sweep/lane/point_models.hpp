@@ -11,8 +11,6 @@
 // Without friction, p_n = n₀.
 #pragma once
 
-#include <type_traits>
-
 #include "sweep/lane/lane_records.hpp"
 
 namespace rcr::RCR_LANE_NAMESPACE {
@@ -61,33 +59,6 @@ inline Vector projectCone(const Vector& p, L friction)
 	return { zeroWhere(polar, select(inside, p.n, n)),
 		zeroWhere(polar, select(inside, p.t, copySign(friction * n, p.t))) };
 }
-
-/// The same with the component of rolling resistance.
-struct RollingVector {
-	Vector at; // n, t
-	L      r;
-
-	friend RollingVector operator+(RollingVector a, RollingVector b)
-	{
-		return { a.at + b.at, a.r + b.r };
-	}
-	friend RollingVector operator-(RollingVector a, RollingVector b)
-	{
-		return { a.at - b.at, a.r - b.r };
-	}
-	friend RollingVector operator*(L s, RollingVector a) { return { s * a.at, s * a.r }; }
-	friend RollingVector addProduct(RollingVector a, L s, RollingVector b)
-	{
-		return { addProduct(a.at, s, b.at), addProduct(a.r, s, b.r) };
-	}
-	friend RollingVector subtractProduct(RollingVector a, L s, RollingVector b)
-	{
-		return { subtractProduct(a.at, s, b.at), subtractProduct(a.r, s, b.r) };
-	}
-	friend L square(RollingVector a) { return addProduct(square(a.at), a.r, a.r); }
-};
-
-inline L clampTo(L value, L most) { return max(min(value, most), L(0.0) - most); }
 
 /// One sum per slot: the order of additions does not depend on the lane width.
 struct Sum {
@@ -217,71 +188,6 @@ struct Frictional : WithFriction {
 		applyImpulse(c, lane, p, v1, v2);
 	}
 };
-
-/// Unknowns: normal and tangential impulse, and that of rolling resistance. Not for floats.
-struct Rolling {
-	using Columns = RollingColumns;
-	using Impulse = RollingVector;
-
-	static B       load(const P& at) { return loadBodies<RCR_LANES>(at); }
-	static void    store(const B& v, const P& at) { storeBodies<RCR_LANES>(v, at); }
-	static Impulse impulse(const Columns& c, int lane)
-	{
-		return { WithFriction::impulse(c, lane), L::load(c.pr() + lane) };
-	}
-	static Impulse oldImpulse(const Columns& c, int lane)
-	{
-		return { WithFriction::oldImpulse(c, lane), L::load(c.oldPr() + lane) };
-	}
-	static void set(const Columns& c, int lane, const Impulse& p)
-	{
-		WithFriction::set(c, lane, p.at), p.r.store(c.pr() + lane);
-	}
-	static void setOld(const Columns& c, int lane, const Impulse& p)
-	{
-		WithFriction::setOld(c, lane, p.at), p.r.store(c.oldPr() + lane);
-	}
-	static L most(const Columns& c, int lane, const Vector& p)
-	{
-		return L::load(c.rollingFriction() + lane) * p.n;
-	}
-	static Impulse project(const Columns& c, int lane, const Impulse& p)
-	{
-		const Vector at = projectCone(p.at, friction(c, lane));
-		return { at, clampTo(p.r, most(c, lane, at)) };
-	}
-	static L rollingVelocity(const Columns& c, int lane, const B& v1, const B& v2)
-	{
-		return subtractProduct(
-		        v2.spin * L::load(c.turn2() + lane), v1.spin, L::load(c.turn1() + lane));
-	}
-	static Impulse velocity(const Columns& c, int lane, const B& v1, const B& v2)
-	{
-		return { relativeVelocity(c, lane, v1, v2), rollingVelocity(c, lane, v1, v2) };
-	}
-	/// Solves (n, t), then r with the spins that these leave.
-	static Impulse solve(const Columns& c, int lane, const Impulse& u, const Impulse& p)
-	{
-		const Vector at = solvePoint(c, lane, u.at, p.at), change = at - p.at;
-		const L      ur = addProduct(addProduct(u.r, L::load(c.responseN() + lane), change.n),
-		             L::load(c.responseT() + lane), change.t);
-		return { at,
-			clampTo(subtractProduct(p.r, L::load(c.inverseRr() + lane), ur), most(c, lane, at)) };
-	}
-	static void apply(const Columns& c, int lane, const Impulse& p, B& v1, B& v2)
-	{
-		applyImpulse(c, lane, p.at, v1, v2);
-		applyRolling(c, lane, p.r, v1, v2);
-	}
-	static void applyRolling(const Columns& c, int lane, L p, B& v1, B& v2)
-	{
-		v1.spin = subtractProduct(v1.spin, v1.inverseMass, p * L::load(c.turn1() + lane));
-		v2.spin = addProduct(v2.spin, v2.inverseMass, p * L::load(c.turn2() + lane));
-	}
-};
-
-template <class Columns>
-constexpr bool isRolling = std::is_same_v<std::decay_t<Columns>, RollingColumns>;
 
 struct NoLever : WithFriction {
 	static Vector velocity(const Columns& c, int lane, const B& v1, const B& v2)
