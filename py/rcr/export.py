@@ -21,8 +21,8 @@ import xml.etree.ElementTree as xml
 import numpy as np
 
 from rcr._data.files import atomic_path
-from rcr._pictures.grain_outlines import polygons
 from rcr.frame import Frame
+from rcr.geometry import polygons
 
 PARTS = ("grains", "contacts", "obstacles")
 OBSTACLE_KINDS = ("box", "facet", "wall", "cell")  # values of the obstacles' column `kind`

@@ -22,8 +22,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rcr import geometry
 from rcr._data.network_columns import rows
-from rcr._pictures import grain_outlines
 from rcr.network import OBSTACLE, Network
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
@@ -163,11 +163,11 @@ class Frame:
 
         Members of a clump share the area of their union in proportion to their own areas.
         """
-        own, clump = grain_outlines.areas(self.grains), self.grains["clump"]
+        own, clump = geometry.areas(self.grains), self.grains["clump"]
         for number in np.unique(clump[clump >= 0]):
             members = clump == number
             clumped = {name: column[members] for name, column in self.grains.items()}
-            union, _, _ = grain_outlines.union(clumped)
+            union, _, _ = geometry.union(clumped)
             own[members] *= union / own[members].sum()
         return own
 
@@ -304,5 +304,5 @@ class Frame:
         low, high = np.quantile(place, (0.01, 0.99), axis=0)
         size = 0.5 * (high - low) + 0.5 * (high - low).max() + 2 * self.mean_radius()
         near = (np.abs(place - 0.5 * (low + high)) <= size).all(axis=1)
-        reach = grain_outlines.half_extents(self.grains)
+        reach = geometry.half_extents(self.grains)
         return [(place - reach)[near], (place + reach)[near]]

@@ -9,15 +9,15 @@ The argument `what` is None (the present scene of YADE), a Frame, a Network or t
 
 import numpy as np
 
+from rcr import geometry
 from rcr._data import checks
 from rcr._data.files import atomic_path
-from rcr._pictures import grain_outlines
 from rcr.frame import Frame
 
 
 def extent(what=None):
     """Return the lower left and upper right corner of the box around all grains, (2, 2) [m]."""
-    return grain_outlines.bounds(_frame(what).grains)
+    return geometry.bounds(_frame(what).grains)
 
 
 def areas(what=None):

@@ -20,7 +20,7 @@ from rcr import plot
 from rcr._pictures import drawing
 from rcr._pictures.grain_colors import KIND_COLORS
 from rcr.frame import Frame
-from rcr._pictures.grain_outlines import polygons
+from rcr.geometry import polygons
 
 from common import python, refused
 from synthetic import packing

@@ -22,7 +22,7 @@ from rcr.study.figures import maps
 from rcr.study.figures.captions import CAPTIONS
 from rcr.study.figures.plot_style import color, xi_color
 from rcr.frame import Frame
-from rcr._pictures.grain_outlines import polygons
+from rcr.geometry import polygons
 from rcr.study.claims import comparisons
 from rcr.study.claims.statements import ETAS, MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run

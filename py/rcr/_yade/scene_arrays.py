@@ -11,7 +11,7 @@ from yade.wrapper import (
 
 from rcr import _plugin
 from rcr._data.network_columns import CAP_CAP, CAP_SIDE, SIDE_SIDE, rows as rows_of
-from rcr._pictures.grain_outlines import areas
+from rcr.geometry import areas
 
 _GRAINS = dict(
     id=int, clump=int, fixed=bool, position=(float, 2), angle=float, half_length=float,
