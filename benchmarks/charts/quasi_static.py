@@ -26,8 +26,8 @@ from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
 from rcr.ensemble import Ensemble
 from rcr.distributions import POWER_RANGE
-from rcr.study.observables import correlations
-from rcr.study.figures.plot_style import legend_outside
+from rcr.observables.branches import correlations
+from rcr._pictures.curves import legend_outside
 from rcr.study.protocol import HALF_RECORD
 
 from benchmarks import charts

@@ -29,13 +29,14 @@ MODULES = {
     "rcr.study.biaxial": "The biaxial test",
     "rcr.study.protocol": "Constants of the biaxial test",
     "rcr.study.analysis": "Observables of the study",
-    "rcr.study.observables": "Observables of one elongation",
+    "rcr.observables.registry": "Registry of observables",
+    "rcr.observables.packings": "Shear strength and isotropic packings",
+    "rcr.observables.forces": "Forces and friction",
+    "rcr.observables.branches": "Branch vectors and contact types",
+    "rcr.observables.xi_networks": "Observables of ξ-networks",
     "rcr.ensemble": "Pooled networks",
     "rcr.force_network.analysis": "Force networks of any scene",
-    "rcr.study.figures": "Figures of the study",
-    "rcr.study.figures.curves": "Curves of the figures",
-    "rcr.study.figures.polar": "Polar diagrams of the figures",
-    "rcr.study.claims": "The paper's statements",
+    "rcr.study.paper": "Statements of a paper",
 }
 # Headings and the first words of their classes; other classes are engines.
 KINDS = {

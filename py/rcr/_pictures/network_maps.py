@@ -1,8 +1,8 @@
 """Maps of one network: grains, forces, friction mobilisation, orientations, contact types.
 
 Each map is a few collections: 13 000 grains take seconds and are vectors in a PDF. Each
-``plot_…(network)`` returns Axes of a new figure with room for a legend; `draw` adds the legend of
-an observable. Needs NumPy and Matplotlib.
+``plot_…(network)`` returns Axes of a new figure with room for a legend; `draw` adds the legend.
+Needs NumPy and Matplotlib.
 """
 
 import matplotlib
@@ -52,7 +52,7 @@ def _grey(frame):
 
 
 def plot_packing(network):
-    """Draw grains coloured by the orientation of their long axes, discs grey [O2]."""
+    """Draw grains coloured by the orientation of their long axes, discs grey."""
     frame, ax = _canvas(network)
     _grains(frame, ax, _orientation_colors(frame), "0.2")
     _scales(ax)
@@ -60,7 +60,7 @@ def plot_packing(network):
 
 
 def plot_mobilization(network):
-    """Draw normal forces as thickness of segments, I_m as diameter of discs [O6]."""
+    """Draw normal forces as thickness of segments, I_m as diameter of discs."""
     frame, ax = _canvas(network)
     _grains(frame, ax, _grey(frame))
     _forces(frame, ax)
@@ -79,7 +79,7 @@ def _orientation_colors(frame):
 
 
 def plot_nematic(network):
-    """Draw forces, and grains with a side-side contact coloured by their orientation [O9]."""
+    """Draw forces, and grains with a side-side contact coloured by their orientation."""
     frame, ax = _canvas(network)
     chained = frame.per_grain(frame.contacts["type"] == SIDE_SIDE) > 0
     grey = to_rgba_array(_grey(frame))
@@ -89,7 +89,7 @@ def plot_nematic(network):
 
 
 def plot_types(network):
-    """Draw centre-to-contact segments coloured by contact type [O11]."""
+    """Draw centre-to-contact segments coloured by contact type."""
     frame, ax = _canvas(network)
     _grains(frame, ax, _grey(frame))
     lines, types = frame.segments(), np.where(frame.between_grains, frame.contacts["type"], -1)
@@ -101,19 +101,11 @@ def plot_types(network):
     return ax
 
 
-_DISC = dict(ls="", marker="o", ms=5, mfc=MOBILIZED, mec="0.3", mew=0.5,
-             label=r"diameter $\propto I_m$")
-MAPS = dict(  # observable: (plot, marks of its legend, scale of orientations or not)
-    O2=(plot_packing, [], True),
-    O6=(plot_mobilization, [_DISC], False),
-    O9=(plot_nematic, [], True),
-    O11=(plot_types, [dict(color=tint, lw=2, label=name) for name, tint in TYPES.items()], False),
-)
+def draw(network, plot, marks, oriented):
+    """Return a figure of a plot, as wide as a page, with a legend below.
 
-
-def draw(observable, network):
-    """Return the map of an observable (a key of `MAPS`), as wide as a page, a legend below."""
-    plot, marks, oriented = MAPS[observable]
+    It has these `marks`, and a scale of orientations if grains are `oriented`.
+    """
     eta = float(network.attributes["eta"])
     with matplotlib.rc_context(STYLE):
         figure = plot(network).figure
