@@ -49,9 +49,9 @@ def porosity(volume=None, what=None):
 
 
 def stress_tensors(what=None):
-    """Return ids (N,) and `Frame.stress_tensors`, (N, 2, 2), compression positive [Pa]."""
+    """Return ids (N,) and `Table.grain_stresses`, (N, 2, 2), compression positive [Pa]."""
     frame = _frame(what)
-    return frame.grains["id"], frame.stress_tensors()
+    return frame.grains["id"], frame.grain_stresses()
 
 
 def write_table(path, what=None):

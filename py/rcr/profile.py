@@ -185,9 +185,9 @@ class Profile:
         bearing, loaded = frame.normal_force() > 0, (contacts["force"] != 0).any(axis=1)
         free1, free2 = frame.free_ends()
         along = (np.arange(SAMPLES) + 0.5) / SAMPLES
-        for free, arm, moments in zip((free1, free2), ("arm1", "arm2"), frame.moments()):
+        for free, arm, moments in zip((free1, free2), frame.arms(), frame.moments()):
             pick = loaded & free
-            arms = contacts[arm][pick]
+            arms = arm[pick]
             points = contacts["position"][pick][:, None] - along[:, None] * arms[:, None]
             place, _ = self._into_cell(frame, points)
             moments = np.broadcast_to(moments[pick, None] / SAMPLES, (*place.shape[:2], 2, 2))
@@ -244,9 +244,9 @@ def _limits(frame):
     if not len(grains["id"]):
         raise ValueError("the scene holds no free Rcr and no free Sphere: nothing to compute")
     low, high = geometry.bounds(grains)
-    for free, arm in zip(frame.free_ends(), ("arm1", "arm2")):
+    for free, arm in zip(frame.free_ends(), frame.arms()):
         place = frame.contacts["position"][free]
-        places = np.concatenate([place, place - frame.contacts[arm][free], [low, high]])
+        places = np.concatenate([place, place - arm[free], [low, high]])
         low, high = places.min(axis=0), places.max(axis=0)
     return np.array([low, high])
 

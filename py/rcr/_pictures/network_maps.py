@@ -15,28 +15,27 @@ from matplotlib.lines import Line2D
 from rcr._pictures import drawing, keys
 from rcr._pictures.drawing import GRAIN, MOBILIZED, RATTLER, STYLE, TYPES
 from rcr._pictures.grain_colors import HUES, grain_colors
-from rcr.frame import Frame
 from rcr.network import SIDE_SIDE
 
 
 def _canvas(network):
-    """Return the network as a frame, within its periodic cell, and Axes with its extent."""
-    frame = Frame.of(network)
-    for columns in frame.grains, frame.contacts:
-        columns["position"] = columns["position"] + frame.wrap(columns["position"])
-    return frame, drawing.page(frame.extent(), drawing.FOOT + drawing.SCALE_ROW)
+    """Return Axes with the extent of a network."""
+    return drawing.page(network.extent(), drawing.FOOT + drawing.SCALE_ROW)
 
 
-def _grains(frame, ax, colors, edge="0.5"):
-    drawing.add_grains(ax, frame.grains, frame.mean_radius(), edge, facecolors=colors)
+def _grains(network, ax, colors, edge="0.5"):
+    """Draw the grains within their periodic cell."""
+    at = network.grains["position"]
+    grains = network.grains | dict(position=at + network.wrap(at))
+    drawing.add_grains(ax, grains, network.mean_radius(), edge, facecolors=colors)
 
 
-def _forces(frame, ax):
+def _forces(network, ax):
     """Draw forces between grains, with the scales of length and force."""
-    pick = frame.between_grains
-    force = frame.normal_force()[pick]
-    scale = drawing.force_scale(ax, frame, float(force.mean()))
-    drawing.add_forces(ax, frame.segments()[pick], force, scale)
+    pick = network.between_particles
+    force = network.normal_force()[pick]
+    scale = drawing.force_scale(ax, network, float(force.mean()))
+    drawing.add_forces(ax, network.segments()[pick], force, scale)
     _scales(ax, scale)
 
 
@@ -45,28 +44,29 @@ def _scales(ax, scale=None):
     keys.add_scales(ax, drawing.FOOT + 0.5 * drawing.SCALE_ROW, scale)
 
 
-def _grey(frame):
+def _grey(network):
     """Return the colour of each grain, pale without a contact, (N,) str."""
-    bearing = frame.per_grain(np.ones(len(frame.contacts["body1"]))) > 0
+    bearing = network.per_grain(np.ones(len(network.contacts["body1"]))) > 0
     return np.where(bearing, GRAIN, RATTLER)
 
 
 def plot_packing(network):
     """Draw grains coloured by the orientation of their long axes, discs grey."""
-    frame, ax = _canvas(network)
-    _grains(frame, ax, _orientation_colors(frame), "0.2")
+    ax = _canvas(network)
+    _grains(network, ax, _orientation_colors(network), "0.2")
     _scales(ax)
     return ax
 
 
 def plot_mobilization(network):
     """Draw normal forces as thickness of segments, I_m as diameter of discs."""
-    frame, ax = _canvas(network)
-    _grains(frame, ax, _grey(frame))
-    _forces(frame, ax)
-    size = 0.5 * frame.mean_radius() * np.minimum(network.friction_mobilization(), 1)
-    centres = frame.contacts["position"][frame.between_grains]
-    wide = 0.02 * drawing.points_a_metre(ax) * frame.mean_radius()
+    ax = _canvas(network)
+    _grains(network, ax, _grey(network))
+    _forces(network, ax)
+    size = 0.5 * network.mean_radius() * np.minimum(network.friction_mobilization(), 1)
+    at = network.contacts["position"][network.between_particles]
+    centres = at + network.wrap(at)
+    wide = 0.02 * drawing.points_a_metre(ax) * network.mean_radius()
     discs = EllipseCollection(
         size, size, np.zeros_like(size), units="xy", offsets=centres, offset_transform=ax.transData)
     discs.set(facecolor=MOBILIZED, edgecolor="0.3", linewidth=wide, zorder=5)
@@ -74,28 +74,28 @@ def plot_mobilization(network):
     return ax
 
 
-def _orientation_colors(frame):
-    return grain_colors(frame, "orientation", None, None)[0]
+def _orientation_colors(network):
+    return grain_colors(network, "orientation", None, None)[0]
 
 
 def plot_nematic(network):
     """Draw forces, and grains with a side-side contact coloured by their orientation."""
-    frame, ax = _canvas(network)
-    chained = frame.per_grain(frame.contacts["type"] == SIDE_SIDE) > 0
-    grey = to_rgba_array(_grey(frame))
-    _grains(frame, ax, np.where(chained[:, None], _orientation_colors(frame), grey))
-    _forces(frame, ax)
+    ax = _canvas(network)
+    chained = network.per_grain(network.contacts["type"] == SIDE_SIDE) > 0
+    grey = to_rgba_array(_grey(network))
+    _grains(network, ax, np.where(chained[:, None], _orientation_colors(network), grey))
+    _forces(network, ax)
     return ax
 
 
 def plot_types(network):
     """Draw centre-to-contact segments coloured by contact type."""
-    frame, ax = _canvas(network)
-    _grains(frame, ax, _grey(frame))
-    lines, types = frame.segments(), np.where(frame.between_grains, frame.contacts["type"], -1)
+    ax = _canvas(network)
+    _grains(network, ax, _grey(network))
+    lines, types = network.segments(), np.where(network.between_particles, network.contacts["type"], -1)
     for code, tint in enumerate(TYPES.values()):
         pick = types == code
-        drawing.add_segments(ax, lines[pick], np.full(pick.sum(), 0.25 * frame.mean_radius()),
+        drawing.add_segments(ax, lines[pick], np.full(pick.sum(), 0.25 * network.mean_radius()),
                              colors=tint, zorder=3 + code)
     _scales(ax)
     return ax

@@ -26,10 +26,6 @@ def _reduced_length(e):
     return np.clip(e.reduced_length[pick], low + 1e-9, high - 1e-9), pick
 
 
-def length_distribution(e, grids):
-    return dict(pdf=statistics.density(_reduced_length(e)[0], grids.reduced_length))
-
-
 def plot_length_pdf(value, ax):
     """Draw P(ℓ_r) of each elongation, except discs, where ℓ_r is 1."""
     for eta, row, _, style in of_each_eta(value, "pdf"):
@@ -42,28 +38,13 @@ def plot_length_pdf(value, ax):
 
 
 register("O10", "Probability density of the reduced branch length ℓ/(R₁ + R₂).",
-         length_distribution, dict(l_r="reduced_length"), figure=plain(plot_length_pdf))
-
-
-def type_fractions(e, grids):
-    return dict(fraction_cc=np.mean(e.type == CAP_CAP), fraction_cs=np.mean(e.type == CAP_SIDE),
-                fraction_ss=np.mean(e.type == SIDE_SIDE))
-
-
+         lambda e, grids: dict(
+             pdf=statistics.density(_reduced_length(e)[0], grids.reduced_length)),
+         dict(l_r="reduced_length"), figure=plain(plot_length_pdf))
 _MARKS = [dict(color=tint, lw=2, label=name) for name, tint in TYPES.items()]
-register("O11", "Last network: contacts coloured by their type.", type_fractions,
-         map=(network_maps.plot_types, _MARKS, False))
-
-
-def _force_and_length(e):
-    return np.hypot(e.fn, e.ft), np.hypot(e.ln, e.lt)
-
-
-def correlations(e, grids):
-    """Return C(f, ℓ_r), NaN for discs, and C(f, ℓ); f is the size of the force."""
-    force, length = _force_and_length(e)
-    c_f_lr = np.nan if e.eta == 0 else statistics.pearson(force, e.reduced_length)
-    return dict(c_f_lr=c_f_lr, c_f_l=statistics.pearson(force, length))
+register("O11", "Last network: contacts coloured by their type.", lambda e, grids: dict(
+    fraction_cc=np.mean(e.type == CAP_CAP), fraction_cs=np.mean(e.type == CAP_SIDE),
+    fraction_ss=np.mean(e.type == SIDE_SIDE)), map=(network_maps.plot_types, _MARKS, False))
 
 
 def plot_correlation(value, ax):
@@ -77,17 +58,16 @@ def plot_correlation(value, ax):
 
 
 register("O12", "Correlation of the contact force with the branch length ℓ and the reduced branch "
-         "length ℓ_r = ℓ/(R₁ + R₂), against the elongation.", correlations,
-         figure=plain(plot_correlation, legend=False))
+         "length ℓ_r = ℓ/(R₁ + R₂), against the elongation.",
+         lambda e, grids: e.correlations(), figure=plain(plot_correlation, legend=False))
 
 
 def force_by_length(e, grids):
     """Return the mean force by bins of ℓ_r and ℓ."""
-    force, length = _force_and_length(e)
-    force = force / force.mean()
+    force = e.force / e.force.mean()
     reduced_length, pick = _reduced_length(e)
     return dict(f_l_r=statistics.bin_means(reduced_length, force[pick], grids.reduced_length),
-                f_l=statistics.bin_means(length, force, grids.length))
+                f_l=statistics.bin_means(e.length, force, grids.length))
 
 
 def plot_force_by_length(value, ax, length="l_r"):

@@ -31,14 +31,6 @@ def force_distribution(force, edges, suffix):
             f"beta_{suffix}_fit_error": fit.beta_error, f"beta_{suffix}_tenth": tenth.beta}
 
 
-def normal_forces(e, grids):
-    return force_distribution(e.fn, grids.force, "n") | dict(weak_fraction=np.mean(e.fn < 1))
-
-
-def tangential_forces(e, grids):
-    return force_distribution(np.abs(e.ft), grids.force, "t")
-
-
 def _plot_forces(value, ax, suffix, exponent, place, **axes):
     """Draw P(f), with an exponent against η inset; return the inset."""
     name = f"f_{suffix}"
@@ -72,10 +64,11 @@ def plot_force_power(value, ax, suffix="n"):
 register("O3", "Probability density of the normal forces between grains over their mean: (a) "
          "log-linear with the exponent α_n of the tail inset, (b) log-log with the exponent β_n of "
          "the weak forces inset; crosses: β_n fitted from a tenth of the mean on.",
-         normal_forces, dict(f_n="force"), figure=plain(plot_force_tail, plot_force_power),
-         small=plain(plot_force_tail))
+         lambda e, grids: force_distribution(e.fn, grids.force, "n")
+         | dict(weak_fraction=np.mean(e.fn < 1)), dict(f_n="force"),
+         figure=plain(plot_force_tail, plot_force_power), small=plain(plot_force_tail))
 register("O4", "The same of the sizes of the tangential forces.",
-         tangential_forces, dict(f_t="force"),
+         lambda e, grids: force_distribution(np.abs(e.ft), grids.force, "t"), dict(f_t="force"),
          figure=plain(partial(plot_force_tail, suffix="t"), partial(plot_force_power, suffix="t")))
 
 
@@ -131,10 +124,6 @@ register("O6", "(a) Mean normal force and (b) lateral stress in five vertical st
          map=(network_maps.plot_mobilization, [_DISC], False))
 
 
-def mobilization_by_force(e, grids):
-    return dict(i_mf=statistics.bin_means(e.fn, e.mobilization, grids.force))
-
-
 def plot_mobilization_by_force(value, ax):
     """Draw I_mf(f_n)."""
     draw_points(value, "f_n", "i_mf", ax, line="-", ms=2.5, lw=0.6)
@@ -143,11 +132,8 @@ def plot_mobilization_by_force(value, ax):
 
 
 register("O7", "Mean friction mobilisation of the contacts with a normal force f_n.",
-         mobilization_by_force, dict(f_n="force"), figure=plain(plot_mobilization_by_force))
-
-
-def mobilization_distribution(e, grids):
-    return dict(pdf=statistics.density(np.minimum(e.mobilization, 1), grids.mobilization))
+         lambda e, grids: dict(i_mf=statistics.bin_means(e.fn, e.mobilization, grids.force)),
+         dict(f_n="force"), figure=plain(plot_mobilization_by_force))
 
 
 def plot_mobilization_pdf(value, ax):
@@ -160,5 +146,6 @@ def plot_mobilization_pdf(value, ax):
     return ax
 
 
-register("O8", "Probability density of the friction mobilisation.", mobilization_distribution,
+register("O8", "Probability density of the friction mobilisation.", lambda e, grids: dict(
+    pdf=statistics.density(np.minimum(e.mobilization, 1), grids.mobilization)),
          dict(i_m="mobilization"), figure=plain(plot_mobilization_pdf))

@@ -13,7 +13,6 @@ from rcr import statistics
 from rcr._pictures import network_maps
 from rcr._pictures.curves import column, draw_by_eta, of_each_eta, plain
 from rcr._pictures.polar import plot_isotropy
-from rcr.frame import Frame
 from rcr.network import sin_phi
 from rcr.observables.registry import register
 from rcr.statistics import mean_of_finite, standard_error
@@ -103,7 +102,7 @@ def isotropic(network, grids):
     return dict(pdf=statistics.density(angle % np.pi, grids.theta),
                 a_c=2 * np.mean(np.exp(2j * angle)), contacts=len(n),
                 order=order if network.attributes.get("eta", 1) else np.nan,
-                packing_fraction=Frame.of(network).areas().sum() / network.attributes["volume"],
+                packing_fraction=network.areas().sum() / network.attributes["volume"],
                 coordination_number=network.coordination(),
                 coordination_number_twice=network.coordination(count_side_contacts_twice=True))
 

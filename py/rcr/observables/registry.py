@@ -94,7 +94,7 @@ class Grids:
         angles = distributions.angular_bins(contacts)
         top = float(np.ceil(max(max(e.fn.max(), over_mean(np.abs(e.ft)).max()) for e in ensembles)))
         shortest = 1 - max(e.eta for e in ensembles)
-        least = min(np.hypot(e.ln, e.lt).min() for e in ensembles)
+        least = min(e.length.min() for e in ensembles)
         least = least if least < shortest - SLACK else shortest
         steps = int(np.ceil((1 - shortest) / 0.01 - 1e-9)) or 1
         return cls(
