@@ -22,7 +22,7 @@ class Frame(Table):
 
     @classmethod
     def of(cls, what=None):
-        """Return the Frame of YADE's present scene (None), or a Frame, Network or its file as Table.
+        """Return the Frame of YADE's present scene (None), or a Frame, a Network or its file.
 
         None outside YADE raises a ValueError, another type a TypeError.
         """

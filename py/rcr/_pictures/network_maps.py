@@ -92,7 +92,8 @@ def plot_types(network):
     """Draw centre-to-contact segments coloured by contact type."""
     ax = _canvas(network)
     _grains(network, ax, _grey(network))
-    lines, types = network.segments(), np.where(network.between_particles, network.contacts["type"], -1)
+    lines = network.segments()
+    types = np.where(network.between_particles, network.contacts["type"], -1)
     for code, tint in enumerate(TYPES.values()):
         pick = types == code
         drawing.add_segments(ax, lines[pick], np.full(pick.sum(), 0.25 * network.mean_radius()),

@@ -136,8 +136,9 @@ register("O16", "(a) Normal and (b) tangential branch components by direction, w
          functools.partial(vector_anisotropies, vector="l"), _AXES, figure=_four("l", r"\ell"),
          unit="θ in rad, the rest -")
 register("O17", "(a) Normal and (b) tangential forces by direction, with fits; (c), (d) their "
-         f"anisotropies {_XI}. {_CURVES}", functools.partial(vector_anisotropies, vector="f"), _AXES,
-         figure=_four("f", "f"), unit="θ in rad, the rest -")
+         f"anisotropies {_XI}. {_CURVES}",
+         functools.partial(vector_anisotropies, vector="f"), _AXES, figure=_four("f", "f"),
+         unit="θ in rad, the rest -")
 
 
 def shear_stress(e, grids):

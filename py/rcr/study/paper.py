@@ -85,8 +85,8 @@ class Paper:
         Statements about observables that the analysis lacks are left out.
         """
         values = {key: entry["value"] for key, entry in analysis.items()}
-        others = [([key], *claim) for key in self.observables() for claim in OBSERVABLES[key].claims]
-        rows = [_finding(values, *claim) for claim in [*self.claims, *others]
+        own = [([key], *claim) for key in self.observables() for claim in OBSERVABLES[key].claims]
+        rows = [_finding(values, *claim) for claim in [*self.claims, *own]
                 if values.keys() >= set(claim[0])]
         order = list(analysis)
         return sorted(rows, key=lambda row: order.index(row.observable))

@@ -60,9 +60,9 @@ class Run:
         """Read the run in a folder.
 
         The critical state is by default from the share `averages` of the largest strain saved up to
-        this strain. It has half a record more at both ends. `include_yielded` keeps records and networks whose interval has
-        a step without a solution. A ValueError reports a damaged file, networks of several runs, or
-        no network in the critical state.
+        this strain. It has half a record more at both ends. `include_yielded` keeps records and
+        networks whose interval has a step without a solution. A ValueError reports a damaged file,
+        networks of several runs, or no network in the critical state.
         """
         folder = pathlib.Path(files.path_of("the folder", folder))
         networks, isotropic = _networks(folder)
