@@ -115,8 +115,9 @@ def main():
     options = arguments()
     analyse = shear_tests if are_shear_tests(options) else networks
     parameters, writer, given = analyse(options)
-    with run_folder.claim_folder(options.out, "network.py", parameters, report.MADE + force_report.MADE,
-                              overwrite=options.overwrite) as begin:
+    made = report.MADE + force_report.MADE
+    with run_folder.claim_folder(options.out, "network.py", parameters, made,
+                                 overwrite=options.overwrite) as begin:
         with tqdm(bar_format="{desc} …", leave=False, disable=None) as bar:
             extra = dict(paper=papers.load(options.paper)) if writer is report else {}
             found = writer.write(given, options.out, shown_on(bar), begin, **extra)

@@ -77,7 +77,8 @@ def test_a_second_paper_is_a_report_of_its_own(runs, tmp_path):
     assert list(found) == ["O3", "O1", "O15"] and found["O1"]["paper"] == ""
     page = (tmp_path / "out" / "report.html").read_text()
     assert "Other." in page and "Azéma" not in page and "(paper:" not in page
-    assert min(n.attributes["strain"] for n in Run.read(runs[0].folder, averages=0.25).networks) == 0.1
+    longer = Run.read(runs[0].folder, averages=0.25)
+    assert min(network.attributes["strain"] for network in longer.networks) == 0.1
     assert papers.DEFAULT in papers.names()
 
 

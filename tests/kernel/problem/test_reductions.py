@@ -6,7 +6,8 @@ velocities of problems with a unique solution (no friction) agree to the accurac
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (REDUCTIONS, EQUAL, assert_laws, assert_same_bits, assert_solved,
+from kernel.contact_problems import (EQUAL, REDUCTIONS, assert_laws, assert_same_bits,
+                                     assert_solved,
                                      beside, discs, errors, frictionless, grains_on_a_floor, heaps,
                                      model, models_in_a_workspace, parts_of, pile, square_discs,
                                      stored, without)

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (REDUCTIONS, beside, discs, frictionless, grains_on_a_floor, hub,
-                                     islands, pile, problem_of, square_discs, wall_of_bricks,
+from kernel.contact_problems import (REDUCTIONS, beside, discs, frictionless, grains_on_a_floor,
+                                     hub, islands, pile, problem_of, square_discs, wall_of_bricks,
                                      without)
 from rcr import _kernel
 
