@@ -5,5 +5,7 @@ Entry points: `scripts/chart.py`, `scripts/hard_scenes.py` and `scripts/bench_*.
 """
 
 import os
+import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+sys.path.append(os.path.join(ROOT, "tests"))  # its modules `bodies` and `oracle`

@@ -11,15 +11,11 @@ import numpy as np
 
 import rcr._kernel as kernel
 from benchmarks import measure, tables
+from oracle import REDUCTIONS, residual_of, without
 from rcr import problems, script
 
-ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
 COLUMNS = ["reduction", "problem", "points", "what", "full", "reduced", "full_over_reduced"]
 TOLERANCE = 1e-4  # of each island
-
-
-def without(*names):
-    return [name for name in ALL if name not in names]
 
 
 def beside(parts):
@@ -64,7 +60,7 @@ def call_times(calls, repeats):
 
 def largest_residual(parts, impulse):
     end = np.cumsum([len(part["bodies"]) for part in parts])
-    return max(measure.residual_of(problems.BodyProblem(**part).delassus(), p)
+    return max(residual_of(problems.BodyProblem(**part).delassus(), p)
                for part, p in zip(parts, np.split(impulse, end[:-1])))
 
 

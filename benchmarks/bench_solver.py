@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 
 import rcr._kernel as kernel
+import oracle
 from benchmarks import ROOT, measure, outside, tables
 from rcr import problems, script
 
@@ -89,7 +90,7 @@ def tolerance_rows(case, solver, warm, options, clock="processor_seconds", **set
         yield dict(case.about, solver=solver, start="warm" if warm else "cold", tolerance=tolerance,
                    iterations=found["iterations"], seconds=found[clock],
                    residual=found["residual"], reached=reached, impulse=found["impulse"],
-                   residual_numpy=measure.residual_of(case.delassus, found["impulse"]))
+                   residual_numpy=oracle.residual_of(case.delassus, found["impulse"]))
         if not reached:
             return
 
@@ -143,7 +144,7 @@ def _siconos_runs(program, delassus, threads, options):
         runs = np.fromfile(impulses).reshape(len(found["seconds"]), -1, 2)
     pending = sorted(options.tolerances)
     for iterations, seconds, impulse in zip(found["iterations"], found["seconds"], runs):
-        residual = measure.residual_of(delassus, impulse)
+        residual = oracle.residual_of(delassus, impulse)
         while pending and residual <= pending[-1]:
             yield dict(tolerance=pending.pop(), iterations=iterations, seconds=seconds,
                        residual=residual)

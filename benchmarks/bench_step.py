@@ -20,6 +20,7 @@ from functools import partial
 import numpy as np
 
 import rcr._kernel as kernel
+import oracle
 from benchmarks import measure, outside, tables, true_error
 from benchmarks import packing as packings
 from rcr import script
@@ -64,10 +65,10 @@ def accuracy(packing, outcome):
     free = packing.free_velocity(np.array(outcome["before"]))
     problem = BodyProblem(packing.inverse_mass, free, bodies, normal, arm1, arm2, 0 * friction,
                           friction, impulse)
-    impulses = measure.generalised(bodies, normal, arm1, arm2, impulse, len(free))
+    impulses = oracle.generalised(bodies, normal, arm1, arm2, impulse, len(free))
     after, stated = free + packing.inverse_mass * impulses, np.array(outcome["after"])
     overlap = -table[:, 11] - SKIN * (bodies < packing.grains).sum(1)
-    residual = measure.residual_of(problem.delassus(), impulse)
+    residual = oracle.residual_of(problem.delassus(), impulse)
     arrays = problem.arrays()
     error = np.linalg.norm(stated - after) / max(np.linalg.norm(stated), 1e-300)
     return dict(points=len(table), residual=residual, velocity_error=float(error),
@@ -118,7 +119,7 @@ def our_rows(packing, options):
         ((_, ns),) = measure.sweep_times([(problem.contacts, solve)], *limits)
         (found,) = measure.best(*limits, partial(solve, tolerance=0, check_interval=10**9,
                                                  max_iterations=options.iterations))
-        residual = measure.residual_of(delassus, found["impulse"])
+        residual = oracle.residual_of(delassus, found["impulse"])
         yield dict(points=problem.contacts, library=f"rcr {solver}", start="cold", covers="solver",
                    ns=ns, residual=residual, **true_error.true_error(arrays, found["impulse"]),
                    **step_times(

@@ -13,7 +13,7 @@ Problems are dicts of arrays, as `BodyProblem.arrays()` returns them. All result
 
 import numpy as np
 
-from benchmarks.measure import generalised
+from oracle import generalised
 from rcr import _kernel as kernel
 
 REFERENCE = dict(solver="exact", tolerance=1e-9, max_iterations=200_000, accuracy=np.inf)

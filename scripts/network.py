@@ -16,7 +16,7 @@ from lib import environment
 try:
     from tqdm import tqdm
 
-    from rcr import script
+    from rcr import papers, script
     from rcr._data import run_folder
     from rcr.force_network import analysis as any_scene, report as force_report
     from rcr.study import report
@@ -24,7 +24,6 @@ try:
 except ImportError as error:  # continue in the Python of yade-rcr
     environment.reenter(error)
 
-MADE = ["table.md", "O[0-9]*.png", "O[0-9]*.pdf"]
 SELECTION = "from_strain", "to_strain", "include_yielded"  # options of shear tests alone
 
 
@@ -37,6 +36,8 @@ def arguments():
     script.add_results(parser, "results")
     add("--any-scene", action="store_true",
         help="analyse shear tests too as networks of any scene, without the paper")
+    add("--paper", choices=papers.names(), default=papers.DEFAULT,
+        help="paper with which shear tests are compared")
     add("--from-strain", type=strain, metavar="E",
         help="first strain of the averages of shear tests (default: half of --to-strain)")
     add("--to-strain", type=strain, metavar="E",
@@ -73,12 +74,15 @@ def warn_of_incomplete(run):
 def shear_tests(options):
     """Return the parameters of an analysis of shear tests, its report module and the tests."""
     selection = {name: getattr(options, name) for name in SELECTION}
-    runs = [Run.read(folder, **selection) for folder in options.paths]
+    paper = papers.load(options.paper)
+    runs = [Run.read(folder, **selection, averages=paper.averages) for folder in options.paths]
     for run in runs:
         warn_of_incomplete(run)
     by_elongation(runs)  # raises if they do not belong together
     sources = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
                for run in runs]
+    if options.paper != papers.DEFAULT:
+        selection["paper"] = options.paper
     return dict(selection, runs=sources), report, runs
 
 
@@ -111,10 +115,12 @@ def main():
     options = arguments()
     analyse = shear_tests if are_shear_tests(options) else networks
     parameters, writer, given = analyse(options)
-    with run_folder.claim_folder(options.out, "network.py", parameters, MADE + force_report.MADE,
-                              overwrite=options.overwrite) as begin:
+    made = report.MADE + force_report.MADE
+    with run_folder.claim_folder(options.out, "network.py", parameters, made,
+                                 overwrite=options.overwrite) as begin:
         with tqdm(bar_format="{desc} …", leave=False, disable=None) as bar:
-            found = writer.write(given, options.out, shown_on(bar), begin)
+            extra = dict(paper=papers.load(options.paper)) if writer is report else {}
+            found = writer.write(given, options.out, shown_on(bar), begin, **extra)
     print(f"{os.path.join(options.out, 'report.html')}: {writer.summary(found)}")
 
 

@@ -37,6 +37,7 @@ from rcr._yade.last_problem import last_problem
 from rcr.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import ONE_RATE, PROTOCOL
+from rcr.study.shear import switch_to_springs
 
 O = Omega()
 STRESS = PROTOCOL.confining_stress  # [Pa]
@@ -178,7 +179,7 @@ def run(name, options):
     test.parameters["inertial_number"] = row.get("inertial_number", RATE)
     first = O.iter
     if law == "smooth":
-        test.switch_to_springs(row["stiffness"])
+        switch_to_springs(test, row["stiffness"])
     elif law == "stock":
         test, first = Stock(test, row["stiffness"]), 0
     else:

@@ -26,8 +26,7 @@ from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
 from rcr.ensemble import Ensemble
 from rcr.distributions import POWER_RANGE
-from rcr.study.observables import correlations
-from rcr.study.figures.plot_style import legend_outside
+from rcr._pictures.curves import legend_outside
 from rcr.study.protocol import HALF_RECORD
 
 from benchmarks import charts
@@ -149,7 +148,7 @@ def observed(networks):
                 weak_fraction=np.mean(ensemble.fn < 1), beta_n=beta, a_c_half=half[0],
                 a_c_weak=weak[0], a_c=whole[0], a_ln=whole[1], a_fn_weak=weak[3], a_fn=whole[3],
                 a_ft=whole[4], q_weak=ratio[0], half_sum=0.5 * whole.sum() / ratio[1],
-                c_f_lr=correlations(ensemble, None)["c_f_lr"])
+                c_f_lr=ensemble.correlations()["c_f_lr"])
 
 
 # ---- limit, changes and figure

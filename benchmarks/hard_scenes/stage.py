@@ -9,17 +9,16 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-import yade.utils
 from yade import O
-from yade.minieigenHP import Quaternion, Vector3
+from yade.minieigenHP import Vector3
 from yade import wrapper as w
 
 import rcr
+from bodies import (DENSITY, G, angle, box, free, kinetic, material, open_box, positions, solver,
+                    stadium, state, tilted, twist)  # noqa: F401: for the scenes
 
-G = 9.81  # m/s²
 R = 0.01  # m
 D = 2 * R
-DENSITY = 1000.0  # kg/m³
 DT = 1e-3  # s, the default: a grain at rest falls 5e-4 d in a step
 COARSE = 10 * DT
 SAMPLES = 1000  # of an advance of the clock, at most about
@@ -107,16 +106,6 @@ def hard_scene(title, predicate="largest displacement in 10 s, in diameters", bo
     return add
 
 
-def material(friction=0.5, density=DENSITY):
-    """FrictMat with the friction coefficient µ [-] and the density [kg/m³]."""
-    return w.FrictMat(density=density, frictionAngle=math.atan(friction), young=1e9, poisson=0.3)
-
-
-def stadium(a, r, center, angle=0.0, **options):
-    """Body with the half length a and the cap radius r [m]; a = 0 is a disc."""
-    return rcr.particle(center, R=a + r, eta=a / (a + r), angle=angle, **options)
-
-
 def flat(center, rough):
     """A flat RCR, 2 R long and R high."""
     return stadium(R / 2, R / 2, center, material=rough)
@@ -138,69 +127,21 @@ def rows(count, columns, height):
             for k in range(columns - row % 2)]
 
 
-def box(center, half_extent, angle=0.0, material=None):
-    """Fixed rectangle [m, rad]."""
-    orientation = Quaternion(Vector3(0, 0, 1), angle)
-    return yade.utils.box((*center, 0), (*half_extent, 1), orientation=orientation, fixed=True,
-                          material=material)
-
-
-def open_box(width, rough):
-    """Walls left, right and bottom of a box with its corner at the origin."""
-    return [rcr.wall(axis, at, material=rough) for axis, at in (("x", 0), ("x", width), ("y", 0))]
-
-
-def tilted(alpha):
-    """Gravity on a slope that falls by α towards +x, in the frame of the slope."""
-    return (G * math.sin(alpha), -G * math.cos(alpha), 0)
-
-
 def push(i, force):
     """A constant force (x, y) on body i [N/m]."""
     _pushes[i] = np.array([*force, 0.0])
     O.forces.setPermF(i, Vector3(*_pushes[i]))
 
 
-def state(i):
-    return O.bodies[i].state
-
-
-def positions(ids):
-    """Centres of the bodies, (n, 2) [m]."""
-    return np.array([state(i).pos for i in ids])[:, :2]
-
-
-def angle(i):
-    """Angle of the long axis to x, in (−π, π] [rad]."""
-    q = state(i).ori
-    return math.remainder(2 * math.atan2(q[2], q[3]), 2 * math.pi)
-
-
-def twist(i):
-    """(v_x, v_y, ω) [m/s, m/s, rad/s]."""
-    s = state(i)
-    return np.array([s.vel[0], s.vel[1], s.angVel[2]])
-
-
 def real_contacts():
     return [i for i in O.interactions if i.isReal]
-
-
-def _free():
-    return [b for b in O.bodies if b and b.state.blockedDOFs != "xyzXYZ" and b.state.mass > 0]
-
-
-def kinetic(bodies=None):
-    """Kinetic energy of these bodies, by default of all free ones [J/m]."""
-    return sum(0.5 * b.state.mass * b.state.vel.squaredNorm()
-               + 0.5 * b.state.inertia[2] * b.state.angVel[2]**2 for b in bodies or _free())
 
 
 def potential():
     """Energy in gravity and in constant forces [J/m]."""
     gravity = np.array(next(e for e in O.engines if isinstance(e, w.NewtonIntegrator)).gravity)
     return -sum(
-        (b.state.mass * gravity + _pushes.get(b.id, 0)) @ np.array(b.state.pos) for b in _free())
+        (b.state.mass * gravity + _pushes.get(b.id, 0)) @ np.array(b.state.pos) for b in free())
 
 
 def _work_of(prescribed):
@@ -218,10 +159,6 @@ def deepest():
                  if isinstance(s, rcr.Rcr)]
         overlaps += [-gap / min(radii) for gap in tuple(i.geom.gap)[: i.geom.points]]
     return max(overlaps)
-
-
-def solver():
-    return yade.utils.typedEngine("ContactDynamics")
 
 
 def farthest(ids, clock, seconds):
@@ -248,7 +185,7 @@ class Clock:
         self.began = self.began or time.process_time()
         self.kinetic, self.potential, self.driven = kinetic(), potential(), 0.0
         self.prescribed = [b for b in O.bodies if b and b.state.blockedDOFs == "xyzXYZ"]
-        loads = sum(b.state.mass for b in _free()) * G + sum(
+        loads = sum(b.state.mass for b in free()) * G + sum(
             np.linalg.norm(force) for force in _pushes.values())
         self.scale = self.kinetic + loads * D
 

@@ -18,7 +18,8 @@ import siconos.numerics as sn
 from scipy.sparse import csc_matrix
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from benchmarks.measure import residual, rounds
+from benchmarks.measure import rounds
+from oracle import residual
 
 FIRST, GROWTH = 20, 0.1  # iterations of the first piece; later pieces over all iterations so far
 REPEATS, BUDGET = 12, 2.0  # largest number of runs; seconds after which no run begins

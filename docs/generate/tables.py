@@ -24,9 +24,9 @@ import yade  # noqa: F401: rcr loads its plugin into it
 from benchmarks import charts, hard_scenes as suite
 from rcr._data import files
 from rcr._yade.counterparts import COUNTERPARTS
+from rcr import papers
 from rcr.plot import CATEGORIES, CONTACTS, SCALES
 from rcr.profile import QUANTITIES
-from rcr.study.claims import findings
 from rcr.study.report import HEADER, markdown as table
 
 DOCS = pathlib.Path(__file__).resolve().parents[1]
@@ -192,7 +192,7 @@ def study():
     for entry in analysis.values():
         entry["value"] = {name: np.array(values, float) for name, values in entry["value"].items()
                           if name != "files"}
-    return table(HEADER, findings(analysis))
+    return table(HEADER, papers.load().findings(analysis))
 
 
 def examples():

@@ -10,6 +10,10 @@
 
 namespace py = boost::python;
 
+namespace yade {
+boost::python::tuple sceneColumns();
+}
+
 namespace {
 
 void registerClasses()
@@ -146,6 +150,8 @@ BOOST_PYTHON_MODULE(_plugin)
 	        "Record time step, velocities and places at the end of a step.");
 	py::def("change_since_end", +[] { return lastEnd.change(scene()); },
 	        "What differs from the record of this step; empty: nothing, or no record.");
+	py::def("scene_columns", yade::sceneColumns,
+	        "Rows of grains, contacts and obstacles of the scene, see rcr._yade.scene_arrays.");
 	py::def("planar_clump", planarClump,
 	        "Join bodies to a clump (ids, x, y, mass, inertia about z); returns its id.");
 }

@@ -4,7 +4,8 @@ import functools
 
 import numpy as np
 
-from rcr.network import COMPLEX, LEFT, RIGHT, Network
+from rcr import statistics
+from rcr._data.network_columns import LEFT, RIGHT, rows
 from rcr.xi_networks import XiNetworks
 
 
@@ -41,15 +42,15 @@ class Ensemble:
     def __init__(self, networks, any_scene=False):
         if not networks:
             raise ValueError("no networks: an ensemble needs at least one network")
-        strange = [network for network in networks if not isinstance(network, Network)]
+        strange = [network for network in networks if not hasattr(network, "local_components")]
         if strange:
             raise ValueError(
                 f"{strange[0]!r:.60} is not a network; expected a result of rcr.Network.load")
-        if any_scene:
-            self.eta = max((n.particles["half_length"] / n.particles["R"]).max() for n in networks)
-        else:
+        if not any_scene:
             self.eta, _ = (common_value(networks, name) for name in ("eta", "friction"))
         parts = [_contacts(network, any_scene) for network in networks]
+        if any_scene:
+            self.eta = max((n.particles["half_length"] / n.particles["R"]).max() for n in networks)
         for name in parts[0]:
             setattr(self, name, np.concatenate([part[name] for part in parts]))
         double_angles = [2 * network.stress_angle() for network in networks]
@@ -62,6 +63,24 @@ class Ensemble:
     def xi_networks(self):
         """Partial sums of the cumulated contacts; see `XiNetworks`."""
         return XiNetworks(self.theta, self.ln + 1j * self.lt, self.fn + 1j * self.ft, self.fn)
+
+    @functools.cached_property
+    def force(self):
+        """Size of each force over ⟨f_n⟩ of its network, (C,) [-]."""
+        return np.hypot(self.fn, self.ft)
+
+    @functools.cached_property
+    def length(self):
+        """Length of each branch vector over R_max of its network, (C,) [-]."""
+        return np.hypot(self.ln, self.lt)
+
+    def correlations(self):
+        """Return Pearson's coefficients of force and ℓ_r, NaN for discs, and of force and ℓ [-].
+
+        They are NaN if all forces or all lengths are equal.
+        """
+        c_f_lr = statistics.pearson(self.force, self.reduced_length) if self.eta else np.nan
+        return dict(c_f_lr=c_f_lr, c_f_l=statistics.pearson(self.force, self.length))
 
 
 def common_value(networks, name):
@@ -77,14 +96,11 @@ def _contacts(network, any_scene):
     """Return the columns of `Ensemble` for one network."""
     n, _, branch, force = network.local_components()
     pick = network.between_particles
-    radius = np.zeros(network.particles["id"].max() + 1)
-    radius[network.particles["id"]] = network.particles["R"]
-    one, two = (network.contacts[body][pick] for body in ("body1", "body2"))
-    mean = force[:, 0].mean()
-    angle = np.angle(n @ COMPLEX)
+    ids, radius = network.particles["id"], network.particles["R"]
+    one, two = (radius[rows(ids, network.contacts[body][pick])] for body in ("body1", "body2"))
+    mean, angle = force[:, 0].mean(), np.arctan2(n[:, 1], n[:, 0])
     return dict(fn=force[:, 0] / mean, ft=force[:, 1] / mean, ln=branch[:, 0] / radius.max(),
-                lt=branch[:, 1] / radius.max(),
-                reduced_length=np.hypot(*branch.T) / (radius[one] + radius[two]),
+                lt=branch[:, 1] / radius.max(), reduced_length=np.hypot(*branch.T) / (one + two),
                 mobilization=_mobilization(network, pick, any_scene), angle=angle % np.pi,
                 theta=angle - network.stress_angle(), type=network.contacts["type"][pick],
                 across=_across(network)[pick])

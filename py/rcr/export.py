@@ -21,8 +21,8 @@ import xml.etree.ElementTree as xml
 import numpy as np
 
 from rcr._data.files import atomic_path
-from rcr._pictures.grain_outlines import polygons
 from rcr.frame import Frame
+from rcr.geometry import polygons
 
 PARTS = ("grains", "contacts", "obstacles")
 OBSTACLE_KINDS = ("box", "facet", "wall", "cell")  # values of the obstacles' column `kind`
@@ -147,9 +147,9 @@ def _grain_mesh(frame):
     grains = frame.grains
     at = grains["position"] + frame.wrap(grains["position"])
     outline = polygons(grains | dict(position=at))
-    stress = frame.stress_tensors()
+    stress = frame.grain_stresses()
     normal = frame.normal_force()
-    radius, velocity = frame.radius, frame.velocities()
+    radius, velocity = grains["R"], frame.velocities()
     copied = ("id", "clump", "angle", "half_length", "cap_radius", "mass", "color")
     state = {name: grains[name] for name in copied} | dict(
         fixed=grains["fixed"].astype(int), kind=frame.kinds(), R=radius,
@@ -164,8 +164,7 @@ def _grain_mesh(frame):
 
 def _contact_mesh(frame):
     contacts = frame.contacts
-    lines = frame.segments() + frame.wrap(contacts["position"])[:, None]
-    normal = frame.normal_force()
+    lines, normal = frame.segments(), frame.normal_force()
     (nx, ny), (fx, fy) = contacts["normal"].T, contacts["force"].T
     copied = ("body1", "body2", "type", "points", "friction")
     state = {name: contacts[name] for name in copied} | dict(

@@ -25,7 +25,7 @@ class ForceChains(typing.NamedTuple):
 
 
 def force_chains(frame, angle=45.0):
-    """Return the `ForceChains` of a `rcr.frame.Frame`; `Network.force_chains` calls it.
+    """Return the `ForceChains` of a `rcr.table.Table`; `Network.force_chains` calls it.
 
     `angle` is the largest angle between a branch vector and the axis of σ₁ of either grain [°].
     Contacts without a force and those with fixed grains do not count. A ValueError reports an angle
@@ -42,7 +42,7 @@ def force_chains(frame, angle=45.0):
     bearing[body[frame.per_grain(frame.normal_force() > 0) > 0]] = True
     stressed = bearing & (sigma > sigma[bearing].mean())
     linked &= (one != two) & stressed[one] & stressed[two]
-    branch = frame.contacts["arm1"] - frame.contacts["arm2"]
+    branch = frame.contacts["branch"]
     for end in one, two:
         along = np.abs(np.einsum("ca,ca->c", branch, axis[end]))
         linked &= along >= (np.cos(np.radians(angle)) - 1e-12) * np.hypot(*branch.T)
@@ -70,7 +70,7 @@ def _bodies(frame):
 def _largest_stress(frame, body):
     """Return σ₁ [Pa] and its axis of each body, (bodies,) and (bodies, 2)."""
     stress = np.zeros((body.max() + 1, 2, 2))
-    stress[body] = frame.stress_tensors()
+    stress[body] = frame.grain_stresses()
     values, axes = np.linalg.eigh(0.5 * (stress + stress.transpose(0, 2, 1)))
     return values[:, 1], axes[:, :, 1]
 

@@ -3,18 +3,20 @@
 They count the contacts between grains. Needs NumPy.
 """
 
-import math
-
 import numpy as np
 
-from rcr import distributions, statistics
-from rcr._data import checks, network_columns
+from rcr import distributions
+from rcr._data import checks
+from rcr.ensemble import Ensemble
 from rcr.force_chains import force_chains
 from rcr.xi_networks import cutoffs
 
 
 class ForceStatistics:
     """Base class of `rcr.Network` with the statistics of its forces between grains."""
+
+    def _pooled(self):
+        return Ensemble([self], any_scene=True)
 
     def force_pdf(self, bins=50, component="normal"):
         """Return the `ForcePdf` of contacts between grains; it unpacks as (f/⟨f⟩, pdf).
@@ -34,12 +36,16 @@ class ForceStatistics:
     def _scaled_forces(self, component):
         """Return f_n/⟨f_n⟩ or |f_t|/⟨|f_t|⟩ of each contact between grains, (C,) [-]."""
         checks.choice("component", component, ("normal", "tangential"))
-        normal, tangential = self.local_components()[3].T
+        pooled = self._pooled()
         if component == "normal":
-            return normal / normal.mean()
-        if not tangential.any():
+            return pooled.fn
+        if not pooled.ft.any():
             raise ValueError("no contact between grains has a tangential force")
-        return np.abs(tangential) / np.abs(tangential).mean()
+        return distributions.over_mean(np.abs(pooled.ft))
+
+    def xi_networks(self):
+        """Return the `rcr.xi_networks.XiNetworks` of the contacts between grains."""
+        return self._pooled().xi_networks
 
     def weak_share(self, xi=1.0):
         """Return the share of contacts between grains with f_n ≤ ξ ⟨f_n⟩, of the shape of ξ [-]."""
@@ -54,37 +60,27 @@ class ForceStatistics:
         """
         if np.ndim(xi):
             raise checks.error("xi", xi, "one cutoff")
-        n, _, branch, force = self.local_components()
-        pick = force[:, 0] <= cutoffs(xi) * force[:, 0].mean()
+        e = self._pooled()
+        pick = e.fn <= cutoffs(xi)
         if not pick.any():
             raise checks.error("xi", xi, "a cutoff above the smallest f_n/⟨f_n⟩")
-        angle = np.arctan2(n[pick, 1], n[pick, 0])
-        return distributions.polar(angle, branch[pick], force[pick], bins)
+        branch, force = (np.column_stack(pair)[pick] for pair in ((e.ln, e.lt), (e.fn, e.ft)))
+        return distributions.polar(e.angle[pick], branch, force, bins)
 
     def c_f_l(self):
         """Return Pearson's coefficient of force and branch length between grains [-].
 
         It is NaN if all forces or all lengths are equal.
         """
-        return self._correlation(lambda length, reach: length)
+        return self._pooled().correlations()["c_f_l"]
 
     def c_f_lr(self):
         """Return Pearson's coefficient of force and reduced branch length ℓ/(R₁ + R₂) [-].
 
         It is NaN for discs, whose reduced lengths are 1 up to overlaps.
         """
-        if not self.particles["half_length"].any():
-            return math.nan
-        return self._correlation(lambda length, reach: length / reach)
-
-    def _correlation(self, of):
-        """Return the correlation of |f| with a function of |ℓ| and R₁ + R₂."""
-        _, _, branch, force = self.local_components()
-        ids = self.particles["id"]
-        reach = sum(self.particles["R"][network_columns.rows(ids, self.contacts[body])]
-                    for body in ("body1", "body2"))[self.between_particles]
-        return statistics.pearson(np.hypot(*force.T), of(np.hypot(*branch.T), reach))
+        return self._pooled().correlations()["c_f_lr"]
 
     def force_chains(self, angle=45.0):
         """Return the `rcr.force_chains.ForceChains`; `angle` bounds the bend of a chain [°]."""
-        return force_chains(self._frame(), angle)
+        return force_chains(self, angle)

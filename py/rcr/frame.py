@@ -1,95 +1,37 @@
-"""Grains, contacts, obstacles and cell of a scene at one time, as plain arrays. Needs NumPy.
+"""Grains, contacts, obstacles and cell of a scene or a saved network. Needs NumPy.
 
-`Frame.of` reads the present scene of YADE, a saved `rcr.Network` or its file. Pictures, files for
-ParaView and measures start from a Frame. Everything is in the plane z = 0 and per unit depth.
-
-Conventions
------------
-* A grain is a body of the shape `Rcr` or `Sphere` (a disc in the plane). Members of a clump are
-  grains with the id of the clump.
-* An obstacle is a `Wall`, `Box` or `Facet`. A grain with prescribed motion is `fixed`.
-* A contact force acts on body 2 from body 1. The normal points from 1 to 2. Compression is
-  positive.
-* Positions of grains are the present ones. A step moves the bodies after its forces, so positions
-  of contacts and lever arms belong to an earlier time; they differ by dt times a velocity.
-* A clump moves as one body. Lever arms of its members start at its centre of mass. Sums and
-  stresses of its members are those of the clump.
+Pictures, files for ParaView and measures start from `Frame.of`. `rcr.table` has the conventions.
 """
 
-import math
 import os
-from dataclasses import dataclass, field
 
-import numpy as np
-
-from rcr._data.network_columns import rows
-from rcr._pictures import grain_outlines
-from rcr.network import OBSTACLE, Network
-
-KINDS = ("rcr", "disc", "clumped", "fixed")
-_NO_WALLS = dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
+from rcr.network import Network
+from rcr.table import KINDS, Table  # noqa: F401: part of this module's interface
 
 
-@dataclass
-class Frame:
-    """Bodies and contacts at one time.
+class Frame(Table):
+    """The `Table` of the present scene of YADE, or of these attributes.
 
-    Attributes
-    ----------
-    grains : dict of arrays
-        ``id`` (N,), ``clump`` (N,) id of the clump or −1, ``fixed`` (N,) bool, ``position`` (N, 2)
-        [m], ``angle`` (N,) from x to the long axis [rad], ``half_length``, ``cap_radius`` (N,)
-        [m], ``mass`` (N,) [kg/m], ``velocity`` (N, 3) [m/s, m/s, 1/s], ``color`` (N, 3) in YADE's
-        view.
-    contacts : dict of arrays
-        ``body1``, ``body2``, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 with an obstacle or fixed grain,
-        ``points`` (C,) 1 or 2, ``position`` (C, 2) of the resultant [m], ``normal`` (C, 2),
-        ``force`` (C, 2) [N/m], ``friction`` (C,) µ or NaN if unknown, ``arm1``, ``arm2`` (C, 2)
-        from the centre of mass of the body or its clump to the position, 0 for obstacles [m],
-        ``point_moments`` (C, 2, 2) Σ f ⊗ (x − position) over the contact points x [N].
-    walls : dict of arrays
-        ``id``, ``axis`` 0 or 1 of the normal, ``position`` along it [m].
-    outlines : list of (id, kind, (k, 2) array)
-        Corners of boxes ("box") and ends of facets ("facet") [m].
-    cell : (2, 2) array or None
-        Edges of the periodic cell as columns [m].
-    time : float
-        Time [s], NaN if unknown.
-    cell_velocity : (2, 2) array or None
-        Velocities of the edges [m/s]: differences of velocity between a grain and its images.
-    centers : (N, 2) array
-        Centre of mass of each grain or its clump at the time of the forces [m].
-    change : str
-        What a script has changed since the last step, so that `centers` are wrong; empty: nothing.
-    run : str
-        Id of YADE's scene, ``O.tags['id']``, which ``O.save`` keeps; empty if unknown.
+    ``R`` and ``center`` of the grains have defaults: the radius, and the position.
     """
 
-    grains: dict
-    contacts: dict
-    walls: dict = field(default_factory=_NO_WALLS.copy)
-    outlines: list = field(default_factory=list)
-    cell: np.ndarray = None
-    time: float = math.nan
-    cell_velocity: np.ndarray = None
-    centers: np.ndarray = None
-    change: str = ""
-    run: str = ""
+    def __init__(self, grains, contacts, **attributes):
+        radius = grains["half_length"] + grains["cap_radius"]
+        self.grains, self.contacts = dict(R=radius, center=grains["position"]) | grains, contacts
+        vars(self).update(attributes)
 
     @classmethod
     def of(cls, what=None):
-        """Return the Frame of YADE's present scene (None), a Network, its file, or a Frame itself.
+        """Return the Frame of YADE's present scene (None), or a Frame, a Network or its file.
 
         None outside YADE raises a ValueError, another type a TypeError.
         """
         if what is None:
             return cls.of_scene()
-        if isinstance(what, cls):
-            return what
         if isinstance(what, (str, os.PathLike)):
             what = Network.load(what)
-        if isinstance(what, Network):
-            return cls.of_network(what)
+        if isinstance(what, Table):
+            return what
         expected = "None (the present scene of YADE), a Frame, a Network or the path of one"
         raise TypeError(f"{type(what).__name__} given; expected {expected}")
 
@@ -101,208 +43,4 @@ class Frame:
         except ImportError as error:
             todo = "give a rcr.Network or the path of one"
             raise ValueError(f"no scene: this Python runs without YADE; {todo}") from error
-        frame = cls(**scene_arrays.read())
-        free1, free2 = frame.free_ends()
-        frame.contacts["type"][~(free1 & free2)] = OBSTACLE
-        return frame
-
-    @classmethod
-    def of_network(cls, network):
-        """Return the Frame of a contact network, without its obstacles."""
-        grains, contacts, known = {**network.particles}, {**network.contacts}, network.attributes
-        centers, branch, count = grains.pop("center"), contacts.pop("branch"), len(grains.pop("R"))
-        grains |= dict(fixed=np.zeros(count, bool), color=np.full((count, 3), 0.7))
-        arm1 = contacts["position"] - centers[rows(grains["id"], contacts["body1"])]
-        inner = network.between_particles[:, None]
-        contacts |= dict(arm1=arm1, arm2=np.where(inner, arm1 - branch, 0.0))
-        return cls(grains, contacts, cell=known.get("cell"),
-                   time=float(known.get("time", math.nan)),
-                   cell_velocity=known.get("cell_velocity"), centers=centers)
-
-    def rows(self, ids):
-        """Return the rows of the grains with these ids, −1 for other ids."""
-        return rows(self.grains["id"], ids)
-
-    @property
-    def between_grains(self):
-        """Mask of the contacts between grains, fixed ones included, (C,) bool."""
-        first, second = (self.rows(self.contacts[body]) for body in ("body1", "body2"))
-        return (first >= 0) & (second >= 0)
-
-    def free_ends(self):
-        """Return masks of the contacts whose body 1 and whose body 2 is a free grain, (2, C)."""
-        free = np.append(~self.grains["fixed"], False)  # the last row is for obstacles
-        return np.array([free[self.rows(self.contacts[body])] for body in ("body1", "body2")])
-
-    def free_grains(self):
-        """Return the columns of the grains without prescribed motion."""
-        free = ~self.grains["fixed"]
-        return {name: column[free] for name, column in self.grains.items()}
-
-    @property
-    def radius(self):
-        """Circumscribed radius R of each grain, (N,) [m]."""
-        return self.grains["half_length"] + self.grains["cap_radius"]
-
-    def mean_radius(self):
-        """Return ⟨R⟩ of the free grains, or of all grains if none is free [m]."""
-        return self._mean(self.radius)
-
-    def mean_cap_radius(self):
-        """Return ⟨R′⟩ of the free grains, or of all grains if none is free [m]."""
-        return self._mean(self.grains["cap_radius"])
-
-    def _mean(self, values):
-        free = ~self.grains["fixed"]
-        if not len(free):
-            return math.nan
-        return float(values[free if free.any() else slice(None)].mean())
-
-    def areas(self):
-        """Return the area of each grain, (N,) [m²].
-
-        Members of a clump share the area of their union in proportion to their own areas.
-        """
-        own, clump = grain_outlines.areas(self.grains), self.grains["clump"]
-        for number in np.unique(clump[clump >= 0]):
-            members = clump == number
-            clumped = {name: column[members] for name, column in self.grains.items()}
-            union, _, _ = grain_outlines.union(clumped)
-            own[members] *= union / own[members].sum()
-        return own
-
-    def kinds(self):
-        """Return the index of each grain in `KINDS`, (N,)."""
-        disc = (self.grains["half_length"] == 0).astype(int)
-        free = np.where(self.grains["clump"] >= 0, 2, disc)
-        return np.where(self.grains["fixed"], 3, free)
-
-    def normal_force(self):
-        """Return f_n of each contact, (C,) [N/m]."""
-        return np.einsum("ca,ca->c", self.contacts["force"], self.contacts["normal"])
-
-    def mobilization(self):
-        """Return |f_t|/(µ f_n) of each contact, (C,) [-].
-
-        It is NaN if µ is unknown, else 0 without force or friction.
-        """
-        normal, n, force = self.normal_force(), self.contacts["normal"], self.contacts["force"]
-        tangential = np.abs(force[:, 1] * n[:, 0] - force[:, 0] * n[:, 1])
-        limit = self.contacts["friction"] * normal
-        other = np.where(np.isnan(limit), np.nan, 0.0)
-        return np.divide(tangential, limit, out=other, where=limit > 0)
-
-    def per_grain(self, values):
-        """Return the sum of contact values (C,) over the contacts of each grain, (N,)."""
-        return self._sums(values, values)
-
-    def check_unchanged(self):
-        """Raise ValueError if a script has changed O.dt, a velocity or a place since the last step.
-
-        They give the positions at which the forces acted.
-        """
-        if self.change:
-            raise ValueError(
-                f"{self.change} in the last step, which gives the positions of its forces; take "
-                "networks, profiles and stresses before you change it, or after a further step; in "
-                "an engine, after NewtonIntegrator")
-
-    def moments(self):
-        """Return Σ f ⊗ r of each contact for body 1 and for body 2, (C, 2, 2) each [N].
-
-        The sum is over the points of the contact, with the force f that the body exerts and the
-        arm r from its centre of mass. The moment for an obstacle has no meaning.
-        """
-        contacts = self.contacts
-        one, two = (np.einsum("ca,cb->cab", contacts["force"], contacts[arm])
-                    + contacts["point_moments"] for arm in ("arm1", "arm2"))
-        return one, -two
-
-    def stress_tensors(self):
-        """Return the mean stress in each grain, (N, 2, 2), compression positive [Pa].
-
-        σ = (1/A) Σ f ⊗ r over its contact points [Love, Weber], with the force f that the grain
-        exerts and the arm r from its centre. Weight and inertia do not enter. Multiplied by `areas`
-        and divided by the volume, the sum over all grains is `Network.stress`.
-        """
-        self.check_unchanged()
-        areas = self._clump_sums(self.areas())
-        return self._sums(*self.moments()) / areas[:, None, None]
-
-    def _sums(self, of_body1, of_body2):
-        """Return the sums of values (C, …) of contacts over the contacts of each grain, (N, …)."""
-        sums = np.zeros((len(self.grains["id"]), *of_body1.shape[1:]))
-        for body, values in (("body1", of_body1), ("body2", of_body2)):
-            at = self.rows(self.contacts[body])
-            np.add.at(sums, at[at >= 0], values[at >= 0])
-        return self._clump_sums(sums)
-
-    def _clump_sums(self, values):
-        """Replace the values (N, …) of a clump's members by their sum; return all values."""
-        member = self.grains["clump"] >= 0
-        clumps, group = np.unique(self.grains["clump"][member], return_inverse=True)
-        sums = np.zeros((len(clumps), *values.shape[1:]))
-        np.add.at(sums, group, values[member])
-        values[member] = sums[group]
-        return values
-
-    def wrap(self, points):
-        """Return the shifts that move points into the periodic cell, (n, 2) [m]; 0 without one."""
-        return self._wrapping(points)[0]
-
-    def velocities(self):
-        """Return the velocity of each grain's image in the periodic cell, (N, 3)."""
-        velocity = self.grains["velocity"].copy()
-        velocity[:, :2] += self._wrapping(self.grains["position"])[1]
-        return velocity
-
-    def _wrapping(self, points):
-        """Return shifts into the periodic cell [m] and their velocities [m/s], (n, 2) each."""
-        points = np.asarray(points, float)
-        if self.cell is None:
-            return np.zeros_like(points), np.zeros_like(points)
-        return self.shifts(-np.floor(points @ np.linalg.inv(self.cell).T))
-
-    def shifts(self, turns):
-        """Return shifts by edges of the periodic cell [m] and their velocities [m/s], (…, 2)."""
-        velocity = np.zeros((2, 2)) if self.cell_velocity is None else self.cell_velocity
-        return turns @ self.cell.T, turns @ velocity.T
-
-    def segments(self):
-        """Return the polyline centre 1, contact, centre 2 of each contact, (C, 3, 2) [m].
-
-        The contact point replaces the centre of an obstacle.
-        """
-        place, arm1, arm2 = (self.contacts[name] for name in ("position", "arm1", "arm2"))
-        return np.stack([place - arm1, place, place - arm2], axis=1)
-
-    def extent(self):
-        """Return the lower left and upper right corner of a picture of the frame, (2, 2) [m].
-
-        The picture shows the periodic cell and the grains. Grains are left out that are farther
-        than half the size of the box of 98 % of the grains from that box. Obstacles extend the
-        picture by at most half its size.
-        """
-        corners = self._grain_corners()
-        if self.cell is not None:
-            corners.insert(0, (self.cell @ np.array([[0, 1, 0, 1], [0, 0, 1, 1]])).T)
-        obstacles = [vertices for _, _, vertices in self.outlines]
-        around = np.concatenate(corners or obstacles or [np.zeros((1, 2))])
-        low, high = around.min(axis=0), around.max(axis=0)
-        reach, middle = 0.5 * (high - low).max(), 0.5 * (low + high)
-        for axis, at in zip(self.walls["axis"], self.walls["position"]):
-            obstacles.append(np.where([axis == 0, axis == 1], at, middle)[None])
-        shown = np.concatenate([[low, high], *obstacles])
-        shown = np.clip(shown, low - reach, high + reach)
-        return np.stack([shown.min(axis=0), shown.max(axis=0)])
-
-    def _grain_corners(self):
-        """Return the lower and upper corners of the grains' boxes, without distant grains."""
-        if not len(self.grains["id"]):
-            return []
-        place = self.grains["position"] + self.wrap(self.grains["position"])
-        low, high = np.quantile(place, (0.01, 0.99), axis=0)
-        size = 0.5 * (high - low) + 0.5 * (high - low).max() + 2 * self.mean_radius()
-        near = (np.abs(place - 0.5 * (low + high)) <= size).all(axis=1)
-        reach = grain_outlines.half_extents(self.grains)
-        return [(place - reach)[near], (place + reach)[near]]
+        return cls(**scene_arrays.read())

@@ -9,15 +9,15 @@ The argument `what` is None (the present scene of YADE), a Frame, a Network or t
 
 import numpy as np
 
+from rcr import geometry
 from rcr._data import checks
 from rcr._data.files import atomic_path
-from rcr._pictures import grain_outlines
 from rcr.frame import Frame
 
 
 def extent(what=None):
     """Return the lower left and upper right corner of the box around all grains, (2, 2) [m]."""
-    return grain_outlines.bounds(_frame(what).grains)
+    return geometry.bounds(_frame(what).grains)
 
 
 def areas(what=None):
@@ -49,9 +49,9 @@ def porosity(volume=None, what=None):
 
 
 def stress_tensors(what=None):
-    """Return ids (N,) and `Frame.stress_tensors`, (N, 2, 2), compression positive [Pa]."""
+    """Return ids (N,) and `Table.grain_stresses`, (N, 2, 2), compression positive [Pa]."""
     frame = _frame(what)
-    return frame.grains["id"], frame.stress_tensors()
+    return frame.grains["id"], frame.grain_stresses()
 
 
 def write_table(path, what=None):

@@ -2,13 +2,10 @@
 
 Conventions
 -----------
-* A contact force acts on body 2 from body 1. The branch vector points from the centre of 1 to the
-  centre of 2, the normal n from 1 to 2. The tangent t is n turned by +90°. Compression is positive.
+* Those of `rcr.table`. The tangent t is the normal n turned by +90°.
 * One row is one pair of grains with one or two contact points. Obstacles are always body 2 and
   have negative ids; their branch vectors end at the contact point. The walls of a box are −1 left,
   −2 bottom, −3 right, −4 top. Another obstacle has −5 minus its id in YADE.
-* A clump moves as one body: branch vectors join centres of mass of clumps, and the contacts of its
-  members are counted together.
 * The stress of a grain sums over contact points: two points of a contact add to the moment f⊗r of
   their resultant. Between two grains, this moment and its reaction add up to 0.
 * Stress and coordination count all contacts. All other observables count those between grains.
@@ -27,9 +24,8 @@ from rcr._data.network_columns import (  # noqa: F401: part of this module's int
     BOTTOM, CAP_CAP, CAP_SIDE, LEFT, OBSTACLE, OTHER, RIGHT, SIDE_SIDE, TOP,
 )  # fmt: skip
 from rcr.force_statistics import ForceStatistics
-from rcr.xi_networks import XiNetworks, cutoffs
-
-COMPLEX = np.array([1, 1j])  # turns components (n, t) into n + i t
+from rcr.table import Table
+from rcr.xi_networks import cutoffs
 
 
 def sin_phi(stresses):
@@ -38,24 +34,19 @@ def sin_phi(stresses):
     return (high - low) / (high + low)
 
 
-class Network(ForceStatistics):
-    """Force-bearing contacts at one time.
+class Network(Table, ForceStatistics):
+    """Force-bearing contacts at one time, and the free grains.
 
-    `ForceStatistics` has the distributions and correlations of their forces.
+    It is a `Table`. `ForceStatistics` has the distributions and correlations of its forces.
 
     Parameters
     ----------
     particles : dict of arrays
-        ``id`` (N,), ``position`` (N, 2) [m], ``angle`` (N,) [rad], ``R``, ``cap_radius``,
-        ``half_length`` (N,) [m], ``mass`` (N,) [kg/m], ``velocity`` (N, 3) [m/s, m/s, 1/s].
-        Optional: ``clump`` (N,) id of the clump, by default −1; ``center`` (N, 2) centre of mass
-        of the clump [m], by default the position.
+        Columns of `Table.grains` without ``fixed`` and ``color``. Optional are ``clump``, by
+        default −1, and ``center``, by default the position.
     contacts : dict of arrays
-        ``body1``, ``body2`` (C,) ids, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 obstacle, ``normal``
-        (C, 2), ``branch`` (C, 2) [m], ``force`` (C, 2) [N/m], ``position`` (C, 2) point of
-        application [m], ``points`` (C,) 1 or 2. Optional: ``friction`` (C,) µ or NaN if unknown,
-        by default the attribute; ``point_moments`` (C, 2, 2) Σ f⊗(x − position) over the points x
-        of the contact [N], by default 0.
+        Columns of `Table.contacts`. Optional are ``friction``, by default the attribute, and
+        ``point_moments``, by default 0.
     attributes : dict
         All are optional: ``volume`` area of the region [m²], ``friction`` between grains [-],
         ``cell`` (2, 2) edges of a periodic cell as columns [m], ``cell_velocity`` (2, 2) their
@@ -83,6 +74,24 @@ class Network(ForceStatistics):
         self.particles = network_columns.checked("particles", particles)
         self.contacts = network_columns.checked("contacts", contacts)
         network_columns.check_meaning(self.particles, self.contacts)
+
+    @property
+    def grains(self):
+        """Columns of the grains, none of which is fixed; see `Table`."""
+        count = len(self.particles["id"])
+        return self.particles | dict(fixed=np.zeros(count, bool), color=np.full((count, 3), 0.7))
+
+    @property
+    def time(self):
+        return float(self.attributes.get("time", math.nan))
+
+    @property
+    def cell(self):
+        return self.attributes.get("cell")
+
+    @property
+    def cell_velocity(self):
+        return self.attributes.get("cell_velocity")
 
     def __repr__(self):
         names = ("time", "strain", "eta", "friction", "volume")
@@ -180,13 +189,6 @@ class Network(ForceStatistics):
             raise ValueError(f"{given}; expected > 0, compression")
         return n, t, branch, force
 
-    def xi_networks(self):
-        """Return the `rcr.xi_networks.XiNetworks` of the contacts between grains."""
-        n, _, branch, force = self.local_components()
-        theta = np.arctan2(n[:, 1], n[:, 0]) - self.stress_angle()
-        scaled = force[:, 0] / force[:, 0].mean()
-        return XiNetworks(theta, branch @ COMPLEX, force @ COMPLEX, scaled)
-
     def fabric(self, xi=np.inf):
         """Return the fabric tensor F(ξ) = (1/N) Σ_{S(ξ)} n⊗n, N of the whole network [eq. F_xi].
 
@@ -211,7 +213,8 @@ class Network(ForceStatistics):
         """Return q(ξ)/p of the contacts between grains [-].
 
         Contacts with obstacles do not enter, unlike in `sin_phi` and `stress`: at ξ = ∞ it differs
-        from `sin_phi` by their share. q(ξ) is the deviator of the partial stress along the axes of σ, p that of the whole network.
+        from `sin_phi` by their share. q(ξ) is the deviator of the partial stress along the axes of
+        σ, p that of the whole network.
         """
         return self.xi_networks().shear_stress_ratio(xi)
 
@@ -220,7 +223,7 @@ class Network(ForceStatistics):
 
         A ValueError reports that no contact between grains has µ > 0, or that one has unknown µ.
         """
-        force = self.local_components()[3]
+        self.local_components()  # raises without contacts between grains
         friction = self.contacts["friction"][self.between_particles]
         if np.isnan(friction).any():
             given = f"{np.isnan(friction).sum()} of {len(friction)} contacts between grains"
@@ -229,25 +232,14 @@ class Network(ForceStatistics):
         if not (friction > 0).any():
             given = f"friction = {friction.max():g} between all grains"
             raise ValueError(f"{given}; the mobilisation needs a coefficient > 0")
-        limit = friction * force[:, 0]
-        tangential = np.abs(force[:, 1])
-        return np.divide(tangential, limit, out=np.zeros_like(limit), where=limit != 0)
-
-    def grain_stresses(self):
-        """Return the mean stress in each grain, (N, 2, 2) [Pa]; see `Frame.stress_tensors`."""
-        return self._frame().stress_tensors()
+        return self.mobilization()[self.between_particles]
 
     def grain_coordination(self):
         """Return the number of contacts of each grain, (N,) int.
 
         Obstacles are included. Members of a clump have the number of the clump.
         """
-        return self._frame().per_grain(np.ones(len(self.contacts["body1"]))).astype(int)
-
-    def _frame(self):
-        from rcr.frame import Frame
-
-        return Frame.of_network(self)
+        return self.per_grain(np.ones(len(self.contacts["body1"]))).astype(int)
 
     def coordination(self, count_side_contacts_twice=False):
         """Return the mean number of contacts per grain or clump without rattlers [-].

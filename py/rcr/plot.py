@@ -137,7 +137,7 @@ def _images(frame, at):
         return np.empty(0, int), np.empty((0, 2))
     # heights of the cell across its edges
     heights = abs(np.linalg.det(frame.cell)) / np.linalg.norm(frame.cell, axis=0)[::-1]
-    place, reach = at @ np.linalg.inv(frame.cell).T, frame.radius[:, None] / heights
+    place, reach = at @ np.linalg.inv(frame.cell).T, frame.grains["R"][:, None] / heights
     rows, shifts = [], []
     for step in np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]):
         inside = (place + step > -reach) & (place + step < 1 + reach)
@@ -166,7 +166,7 @@ def _add_contacts(ax, frame, by, share, reference):
     bearing = force > 0
     if reference is None and not bearing.any():
         return None
-    lines = (frame.segments() + frame.wrap(frame.contacts["position"])[:, None])[bearing]
+    lines = frame.segments()[bearing]
     mean = float(force[bearing].mean()) if reference is None else reference
     scale = drawing.force_scale(ax, frame, mean, share, reference is None)
     force = force[bearing]

@@ -14,8 +14,8 @@ import math
 
 import numpy as np
 
+from rcr import geometry
 from rcr._data import checks
-from rcr._pictures import grain_outlines as _outlines
 from rcr.frame import Frame
 
 MOST_CELLS = 10**7
@@ -170,7 +170,7 @@ class Profile:
 
     def _add_grains(self, frame):
         free, grains = ~frame.grains["fixed"], frame.free_grains()
-        arms, weight = _samples(grains)  # (N, K, 2) and (N, K)
+        arms, weight = geometry.samples(grains, SAMPLES)  # (N, K, 2) and (N, K)
         place, drift = self._into_cell(frame, grains["position"][:, None] + arms)
         speed, spin = grains["velocity"][:, None, :2], grains["velocity"][:, None, 2:]
         velocity = speed + spin * np.stack([-arms[..., 1], arms[..., 0]], axis=-1) + drift
@@ -185,9 +185,9 @@ class Profile:
         bearing, loaded = frame.normal_force() > 0, (contacts["force"] != 0).any(axis=1)
         free1, free2 = frame.free_ends()
         along = (np.arange(SAMPLES) + 0.5) / SAMPLES
-        for free, arm, moments in zip((free1, free2), ("arm1", "arm2"), frame.moments()):
+        for free, arm, moments in zip((free1, free2), frame.arms(), frame.moments()):
             pick = loaded & free
-            arms = contacts[arm][pick]
+            arms = arm[pick]
             points = contacts["position"][pick][:, None] - along[:, None] * arms[:, None]
             place, _ = self._into_cell(frame, points)
             moments = np.broadcast_to(moments[pick, None] / SAMPLES, (*place.shape[:2], 2, 2))
@@ -243,10 +243,10 @@ def _limits(frame):
     grains = frame.free_grains()
     if not len(grains["id"]):
         raise ValueError("the scene holds no free Rcr and no free Sphere: nothing to compute")
-    low, high = _outlines.bounds(grains)
-    for free, arm in zip(frame.free_ends(), ("arm1", "arm2")):
+    low, high = geometry.bounds(grains)
+    for free, arm in zip(frame.free_ends(), frame.arms()):
         place = frame.contacts["position"][free]
-        places = np.concatenate([place, place - frame.contacts[arm][free], [low, high]])
+        places = np.concatenate([place, place - arm[free], [low, high]])
         low, high = places.min(axis=0), places.max(axis=0)
     return np.array([low, high])
 
@@ -260,18 +260,3 @@ def _check_span(limits, frame):
         raise ValueError(
             "the limits span {:g} × {:g} m, the periodic cell {:g} × {:g} m; expected limits within "
             "a cell; for a mean over changing cells, those of the smallest".format(*span, *size))
-
-
-def _samples(grains):
-    """Return points spread evenly over each grain, and the fraction of the grain at each.
-
-    The points (N, K, 2) [m] are relative to the centre. The fractions (N, K) add up to 1.
-    """
-    r, a = (grains[name][:, None] for name in ("cap_radius", "half_length"))
-    even = (2 * np.arange(SAMPLES) + 1) / SAMPLES - 1
-    u, v = (c.ravel() for c in np.meshgrid(even, even))
-    x, y = u * (a + r), v * r
-    inside = np.maximum(np.abs(x) - a, 0) ** 2 + y**2 <= r**2
-    turned = (x + 1j * y) * np.exp(1j * grains["angle"])[:, None]
-    points = np.stack([turned.real, turned.imag], axis=-1)
-    return points, inside / inside.sum(axis=1, keepdims=True)

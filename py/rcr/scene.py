@@ -13,9 +13,8 @@ from yade import utils
 from yade.minieigenHP import Quaternion, Vector2, Vector3
 from yade.wrapper import Body, FrictMat, Omega, Rcr, Sphere
 
-from rcr import _kernel, _plugin
+from rcr import _kernel, _plugin, geometry
 from rcr._data import checks
-from rcr._pictures import grain_outlines as _outlines
 from rcr._yade.scene_arrays import angle as angle_of, lengths
 
 O = Omega()
@@ -111,7 +110,7 @@ def clump(members, mass=None, inertia=None):
         raise ValueError(f"members holds body #{known[0]} of a scene; expected new bodies")
     if len({id(b) for b in members}) < len(members):
         raise ValueError("members holds a body twice; expected each body once")
-    area, (x, y), polar_moment = _outlines.union(_outlines_of(members))
+    area, (x, y), polar_moment = geometry.union(_outlines_of(members))
     given, density = mass is not None, members[0].material.density
     mass = mass if given else density * area
     mass = _number("mass", mass, "a finite mass > 0 [kg]", _positive)
@@ -127,7 +126,7 @@ def clump(members, mass=None, inertia=None):
 
 def union_area(ids):
     """Return the area of the union of grains of the scene [m²]."""
-    return float(_outlines.union(_outlines_of([O.bodies[k] for k in ids]))[0])
+    return float(geometry.union(_outlines_of([O.bodies[k] for k in ids]))[0])
 
 
 def wall(axis, position, sense=0, velocity=0, material=-1):
@@ -259,7 +258,7 @@ def _vector(name, given, expected, expected_component):
 
 
 def _outlines_of(bodies):
-    """Return grains as `rcr._pictures.grain_outlines` takes them."""
+    """Return grains as `rcr.geometry` takes them."""
     half_length, cap_radius = np.array([lengths(b.shape) for b in bodies]).T.copy()
     return dict(position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),
                 angle=np.array([angle_of(b.state.ori) for b in bodies]),

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.bench_reductions import ALL, without  # noqa: F401: for the tests
-from benchmarks.measure import error, generalised
+from oracle import REDUCTIONS, error, generalised, without  # noqa: F401: for the tests
 from rcr import _kernel, problems
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components

@@ -7,16 +7,17 @@ import time
 import numpy as np
 import pytest
 import scipy.integrate
-from rcr import statistics
-from rcr.study import analysis, claims, observables
+from rcr import papers, statistics
+from rcr.observables import forces, packings, registry, xi_networks
+from rcr.study import analysis, paper as claims
 from rcr.ensemble import Ensemble
 from rcr.network import LEFT, RIGHT, Network
-from rcr.study.claims.statements import STATEMENTS
 from rcr.study.runs import Run
 
 from common import refused
 from synthetic import packing, write_run
 
+PAPER = papers.load()
 CONTRACT = [  # observable, names of grids, names of arrays over elongation and these grids
     ("O1", "", "sin_phi sin_phi_std"), ("O3", "f_n", "pdf"), ("O4", "f_t", "pdf"),
     ("O3", "", "alpha_n beta_n weak_fraction"), ("O4", "", "alpha_t beta_t"),
@@ -51,14 +52,14 @@ def test_arrays_have_the_shapes_of_the_contract(result, observable, grids, names
 
 
 def test_every_observable_is_there_with_a_reason_and_the_file_is_strict_json(result):
-    assert list(result) == list(STATEMENTS) == [f"O{k}" for k in range(1, 19)]
+    assert list(result) == list(PAPER.statements) == [f"O{k}" for k in range(1, 19)]
     assert all(set(entry) == {"value", "paper", "unit"} and "eta" in entry["value"]
                for entry in result.values())
     again = json.loads(json.dumps(analysis.jsonable(result), allow_nan=False))
     assert again["O12"]["value"]["c_f_lr"][0] is None  # discs have no ℓ_r
     assert np.array_equal(again["O15"]["value"]["a_c"], result["O15"]["value"]["a_c"])
-    table = claims.findings(result)
-    assert {row.observable for row in table} == set(STATEMENTS)
+    table = PAPER.findings(result)
+    assert {row.observable for row in table} == set(PAPER.statements)
     assert all(row.statement and row.criterion and row.value for row in table)
     assert {row.verdict for row in table} <= {claims.AGREES, claims.DIFFERS, claims.NOT_TESTED}
 
@@ -125,10 +126,10 @@ def test_standard_error_is_that_of_repeated_sampling():
     """a_c of S networks of C contacts has the error √(2/(S C)), estimated to 1/√(2 S) = 16 %."""
     networks = [packing(0.5, seed=k) for k in range(20)]
     ensemble, parts = Ensemble(networks), [Ensemble([network]) for network in networks]
-    grids = observables.Grids.of([ensemble], 0.4)
-    error = observables.measures(ensemble, grids, parts)["O15"]["a_c_error"][-1]
+    grids = registry.Grids.of([ensemble], 0.4)
+    error = registry.measures(ensemble, grids, parts)["O15"]["a_c_error"][-1]
     assert error == pytest.approx(np.sqrt(2 / (20 * 2000)), rel=0.5)
-    single = observables.measures(parts[0], grids, parts[:1])["O15"]
+    single = registry.measures(parts[0], grids, parts[:1])["O15"]
     assert np.isnan(single["a_c_error"]).all()  # of one network it is unknown
     error = statistics.standard_error([[1.0, np.nan], [3.0, np.nan], [np.nan, 5.0]])
     assert error[0] == pytest.approx(1) and np.isnan(error[1])  # without unknown values
@@ -146,8 +147,8 @@ def test_forces_in_strips_from_wall_to_wall():
     columns["body2"][:2], columns["type"][:2] = (LEFT, RIGHT), 3
     columns["position"][:2, 0] = -5, 25
     ensemble = Ensemble([Network(made.particles, columns, made.attributes)])
-    grids = observables.Grids.of([ensemble], 0.4)
-    found = observables.strip_forces(ensemble, grids)["strip_force"]
+    grids = registry.Grids.of([ensemble], 0.4)
+    found = forces.strip_forces(ensemble, grids)["strip_force"]
     inside, middle = x[2:], np.array([0, 0.3, 0.5, 0.7, 0.9])
     edges = -5 + 30 * grids.strip
     middle[0] = (inside[inside < edges[1]].mean() + 5) / 30
@@ -155,7 +156,7 @@ def test_forces_in_strips_from_wall_to_wall():
     # exponential forces: an error of the mean of 1/√C
     assert found == pytest.approx((1 - 0.5 * middle) / mean, abs=4 / np.sqrt(20_000 / 6))
     few = Ensemble([packing(0.5, contacts=20)])
-    assert np.isnan(observables.strip_forces(few, grids)["strip_force"]).any()
+    assert np.isnan(forces.strip_forces(few, grids)["strip_force"]).any()
 
 
 def test_drift_of_the_fabric():
@@ -168,14 +169,14 @@ def test_drift_of_the_fabric():
                             a_ft=0) for k, strain in enumerate(strains)]
         return Run(folder=None, networks=networks, from_strain=0.2)
 
-    found = analysis.drift([run(0.0, 1), run(0.2, 2)])
+    found = xi_networks.drift([run(0.0, 1), run(0.2, 2)], None, None)
     # √(2/C) of a moment, over the spread of the strains
     expected = 0.3 * np.sqrt(2 / 2000) / np.sqrt(14 * np.var(strains))
     assert found["a_c_drift_error"] == pytest.approx(expected, rel=0.5)
     assert found["a_c_drift"] == pytest.approx(0.3, abs=4 * found["a_c_drift_error"])
     short = run(0.0, 1)
     short.networks = short.networks[:2]
-    assert np.isnan(analysis.drift([short])["a_c_drift"])
+    assert np.isnan(xi_networks.drift([short], None, None)["a_c_drift"])
 
 
 def test_errors_are_over_seeds_where_there_are_three(tmp_path):
@@ -207,7 +208,7 @@ def test_large_packings_are_analysed_in_vectors():
     sum(k for k in range(10**7))
     between = time.process_time()
     ensemble = Ensemble(networks)
-    observables.measures(ensemble, observables.Grids.of([ensemble], 0.4), [ensemble])
+    registry.measures(ensemble, registry.Grids.of([ensemble], 0.4), [ensemble])
     assert time.process_time() - between < 10 * (between - start)
 
 
@@ -268,8 +269,8 @@ def _of(change, network):
 
 def measured(network):
     ensemble = Ensemble([network])
-    grids = observables.Grids.of([ensemble], 0.4)
-    return ensemble, grids, observables.measures(ensemble, grids, [ensemble])
+    grids = registry.Grids.of([ensemble], 0.4)
+    return ensemble, grids, registry.measures(ensemble, grids, [ensemble])
 
 
 def test_angular_functions_without_contacts_are_unknown():
@@ -321,7 +322,7 @@ def test_tiny_packings_are_analysed(particles, contacts, change):
                         for j in range(1 + k % 2)]
             runs.append(Run(pathlib.Path(f"/{k}"), networks, 0.0))
         result = analysis.analyse(runs)
-        table = claims.findings(result)
+        table = PAPER.findings(result)
         json.dumps(analysis.jsonable(result), allow_nan=False)
         assert not [row for row in table
                     if row.verdict != claims.NOT_TESTED and "nan" in row.value + row.error]
@@ -412,7 +413,7 @@ def test_bad_histories_are_refused(tmp_path, text, says):
 # --- verdicts
 
 def rows(result, observable, start=""):
-    return [row for row in claims.findings(result)
+    return [row for row in PAPER.findings(result)
             if row.observable == observable and row.statement.startswith(start)]
 
 
@@ -469,8 +470,8 @@ def test_the_packing_fraction_counts_overlaps_in_a_clump_once():
     two.particles["clump"][:2] = 99
     for name in "position", "angle":
         two.particles[name][:2] = 0
-    grids = observables.Grids.of([Ensemble([one])], 0.4)
-    apart, joined = (analysis.isotropic(n, grids)["packing_fraction"] for n in (one, two))
+    grids = registry.Grids.of([Ensemble([one])], 0.4)
+    apart, joined = (packings.isotropic(n, grids)["packing_fraction"] for n in (one, two))
     assert joined == pytest.approx(19 / 20 * apart, rel=1e-5)
 
 
@@ -488,7 +489,7 @@ def test_major_stress_may_be_along_either_axis(tmp_path):
     """Axes at ±89° and ±88° are within 2° of 90°."""
     angles = np.radians([89, -89, 88, -88])
     parts = [dict(off_axis=np.pi / 2), *(dict(off_axis=angle) for angle in angles)]
-    assert observables.with_errors(parts)["off_axis_error"] < np.radians(1)
+    assert registry.with_errors(parts)["off_axis_error"] < np.radians(1)
     folder = write_run(tmp_path / "run", 0.5, axis=0)
     text = (folder / "history.csv").read_text().replace("stress_x,stress_y", "stress_y,stress_x")
     (folder / "history.csv").write_text(text)
@@ -502,7 +503,7 @@ def test_the_critical_state_decides_along_which_axis_the_major_stress_is(tmp_pat
     header, *lines = (folder / "history.csv").read_text().splitlines()
     early = [f"{line.split(',')[0]},9,1" for line in lines[:40]]
     (folder / "history.csv").write_text("\n".join([header, *early, *lines[40:]]))
-    assert (analysis.sin_phi(Run.read(folder).critical_stresses()) > 0.4).all()
+    assert (packings.sin_phi(Run.read(folder).critical_stresses()) > 0.4).all()
     oblique = write_run(tmp_path / "oblique", 0.5, axis=np.pi / 3)
     refused("oblique/history.csv has the stresses along x and y; .* at (59|60|61)° to x; expected "
             "at most 20° to x or y: remove history.csv to take", Run.read, oblique)

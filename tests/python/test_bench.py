@@ -13,6 +13,7 @@ from rcr._data.files import read_table
 from rcr.network import Network
 from scipy.sparse import csc_array
 
+import oracle
 import synthetic
 from common import answer, complaint, ended, python, refused
 from problem_files import npz
@@ -37,7 +38,7 @@ def solved(problem, tolerance=1e-10):
 
 
 def residual(problem):
-    return measure.residual_of(problem.delassus(), problem.impulse)
+    return oracle.residual_of(problem.delassus(), problem.impulse)
 
 
 # --- what is measured with
@@ -50,7 +51,7 @@ def test_residual_by_hand_and_by_the_kernels():
         assert residual(problem) == pytest.approx(found["residual"], rel=1e-5, abs=1e-13)
 
     def of(q, p, mu=0.5):
-        return measure.residual(csc_array(2 * np.eye(2)), np.array([q]), np.array([mu]),
+        return oracle.residual(csc_array(2 * np.eye(2)), np.array([q]), np.array([mu]),
                                 np.array([p]))
 
     assert of((-1, 0.3), (0.5, -0.15)) < 1e-15

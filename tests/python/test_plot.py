@@ -20,7 +20,7 @@ from rcr import plot
 from rcr._pictures import drawing
 from rcr._pictures.grain_colors import KIND_COLORS
 from rcr.frame import Frame
-from rcr._pictures.grain_outlines import polygons
+from rcr.geometry import polygons
 
 from common import python, refused
 from synthetic import packing
@@ -38,10 +38,11 @@ def frame(count=3, **columns):
 
 
 def contacts(count, **columns):
-    zeros, along_x = np.zeros((count, 2)), np.tile([1.0, 0], (count, 1))
+    along_x = np.tile([1.0, 0], (count, 1))
+    places = along_x + np.column_stack([2.0 * np.arange(count), np.zeros(count)])
     return dict(body1=np.arange(count), body2=np.arange(count) + 1, type=np.zeros(count, int),
-                points=np.ones(count, int), friction=np.full(count, 0.5), position=zeros,
-                normal=along_x, force=along_x, arm1=along_x, arm2=-along_x,
+                points=np.ones(count, int), friction=np.full(count, 0.5), position=places,
+                normal=along_x, force=along_x, branch=2 * along_x,
                 point_moments=np.zeros((count, 2, 2))) | columns
 
 

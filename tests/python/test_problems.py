@@ -17,7 +17,7 @@ import pytest
 from hypothesis import strategies as st
 from common import complaint, ended, refused
 from damage import put, replace
-from benchmarks.measure import matrix, residual, residual_of
+from oracle import matrix, residual, residual_of
 from problem_files import write, write_siconos
 from rcr import _kernel, problems, solve
 

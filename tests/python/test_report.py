@@ -17,19 +17,26 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from rcr.study import analysis, claims, figures, report, report_text
-from rcr.study.figures import maps
-from rcr.study.figures.captions import CAPTIONS
-from rcr.study.figures.plot_style import color, xi_color
+from rcr import papers
+from rcr._pictures import network_maps as maps
+from rcr._pictures.curves import color, plot_xi
+from rcr._pictures.polar import xi_color
 from rcr.frame import Frame
-from rcr._pictures.grain_outlines import polygons
-from rcr.study.claims import comparisons
-from rcr.study.claims.statements import ETAS, MAPS, STATEMENTS, nearest
+from rcr.geometry import polygons
+from rcr.observables.forces import plot_mobilization
+from rcr.observables.packings import plot_strength
+from rcr.observables.registry import OBSERVABLES
+from rcr.study import analysis, criteria, report, report_text
+from rcr.study.report import nearest
 from rcr.study.runs import Run
 
 from common import complaint, ended, refused
 from synthetic import packing, polygon_areas, write_run
 
+PAPER = papers.load()
+STATEMENTS, MAPS = PAPER.statements, PAPER.maps
+ETAS = (0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
+FIGURES = [key for key, one in OBSERVABLES.items() if one.figure]
 SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
 
 
@@ -72,7 +79,7 @@ def test_script_writes_everything(written):
                         r"tested\n", line)
     content = json.loads((out / "analysis.json").read_text())
     assert list(content) == list(STATEMENTS)
-    names = [*figures.FIGURES, *(name.removesuffix(".png") for key in MAPS
+    names = [*FIGURES, *(name.removesuffix(".png") for key in MAPS
                                  for name in content[key]["value"]["files"])]
     pictures = {f"{name}.{suffix}" for name in names for suffix in ("png", "pdf")}
     assert {path.name for path in out.iterdir()} == {
@@ -119,9 +126,9 @@ def test_the_first_screen_says_what_was_done_and_what_came_out(written):
 
 def test_every_figure_has_a_caption_that_says_what_it_plots(written):
     page = (written[0] / "report.html").read_text()
-    assert list(CAPTIONS) == list(STATEMENTS)
-    for key, caption in CAPTIONS.items():
-        assert re.search(rf"<b>{key}</b> {re.escape(html.escape(caption))}<br>", page), key
+    assert set(OBSERVABLES) == set(STATEMENTS)
+    for key, one in OBSERVABLES.items():
+        assert re.search(rf"<b>{key}</b> {re.escape(html.escape(one.caption))}<br>", page), key
 
 
 @pytest.mark.parametrize("rates, says", [
@@ -167,13 +174,13 @@ def test_the_critical_state_is_claimed_only_where_nothing_changes(
 def test_unknown_errors_are_said_to_be_unknown(folders):
     """One network has none: no error of the table may be 0."""
     nan = np.nan
-    assert comparisons.format_largest([nan, nan]) == comparisons.format_errors(nan) == "unknown"
-    assert comparisons.format_largest([nan, 0.02], "°") == "≤ 0.02°, some unknown"
-    assert comparisons.format_largest([0.01, 0.02]) == "≤ 0.02"
+    assert criteria.format_largest([nan, nan]) == criteria.format_errors(nan) == "unknown"
+    assert criteria.format_largest([nan, 0.02], "°") == "≤ 0.02°, some unknown"
+    assert criteria.format_largest([0.01, 0.02]) == "≤ 0.02"
     runs = [Run.read(folder, from_strain=0.4) for folder in folders]
     for run in runs:
         run.history = None
-    table = claims.findings(analysis.analyse(runs))
+    table = PAPER.findings(analysis.analyse(runs))
     errors = [row.error for row in table]
     assert not [error for error in errors if "≤ 0" in error and "≤ 0." not in error]
     assert sum("unknown" in error for error in errors) > 10
@@ -321,12 +328,12 @@ def test_script_refuses_bad_input(case, folders, tmp_path):
 def test_plots_draw_into_the_axes_given_and_read_the_file(result):
     """analysis.json has null where the arrays have NaN. An elongation has one colour."""
     ax = Figure().add_subplot()
-    for plot, observable in (figures.plot_strength, "O1"), (figures.plot_mobilization, "O5"):
+    for plot, observable in (plot_strength, "O1"), (plot_mobilization, "O5"):
         assert plot(result[observable]["value"], ax) is ax
     again = json.loads(json.dumps(analysis.jsonable(result)))
-    for observable in figures.FIGURES:
-        assert figures.draw(observable, again).findobj(Axes), observable
-    ax = figures.plot_xi(result["O15"]["value"], "a_c", "a_c", Figure().add_subplot())
+    for observable in FIGURES:
+        assert report.draw(observable, again, PAPER).findobj(Axes), observable
+    ax = plot_xi(result["O15"]["value"], "a_c", "a_c", Figure().add_subplot())
     drawn = [to_hex(line.get_color()) for line in ax.lines if line.get_label().startswith(r"$\eta")]
     assert drawn == [to_hex(color(eta)) for eta in (0, 0.5)]
     assert nearest([0, 0.5, 0.7], (0.2, 0.7)) == [0, 0.7]

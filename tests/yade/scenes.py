@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import yade.utils  # before rcr, which loads its plugin into it
 import rcr
-from benchmarks.hard_scenes.stage import (G, box, kinetic, material, open_box, solver, stadium,
-                                          tilted, twist as velocity)  # noqa: F401
+from bodies import (G, box, kinetic, material, open_box, solver, stadium, tilted,
+                    twist as velocity)  # noqa: F401
 from common import refused, wait_until, warns  # noqa: F401: for the tests
 from yade import O
 from yade import wrapper as w

@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from rcr._data import checks
-from rcr._pictures.grain_outlines import polygons
+from rcr.geometry import polygons
 
 COLUMN, PAGE = 3.4, 7.0  # widths of a figure [in]
 LOWEST, TALLEST = 0.05, 9.0  # bounds of the height of a picture [in]

@@ -48,7 +48,7 @@ SCALES = dict(
     spin=Scale("angular velocity [1/s]", lambda f: f.grains["velocity"][:, 2], "coolwarm"),
     load=Scale("sum of normal forces [N/m]", lambda f: f.per_grain(f.normal_force()), "magma_r"),
     pressure=Scale("pressure in the grain [Pa]",
-                   lambda f: 0.5 * np.einsum("naa->n", f.stress_tensors()), "magma_r"),
+                   lambda f: 0.5 * np.einsum("naa->n", f.grain_stresses()), "magma_r"),
     contacts=Scale("number of contacts with a force",
                    lambda f: f.per_grain(f.normal_force() > 0), "YlGnBu"),
     chain=Scale("grains in the force chain", _chain_length, "autumn_r"))

@@ -8,7 +8,7 @@ from yade.wrapper import Omega
 
 from rcr._data import checks
 from rcr.frame import Frame
-from rcr.network import BOTTOM, LEFT, OTHER, RIGHT, TOP, Network
+from rcr.network import BOTTOM, LEFT, OBSTACLE, OTHER, RIGHT, TOP, Network
 
 O = Omega()
 
@@ -60,32 +60,23 @@ def contact_network(walls=None, volume=None, **attributes):
 def _grains(frame):
     """Return the columns of `Network.particles`: free grains at the time of the forces."""
     grains = frame.free_grains()
-    copied = ("id", "half_length", "cap_radius", "mass", "velocity", "clump")
-    return {name: grains[name] for name in copied} | dict(
-        position=grains["position"] - O.dt * grains["velocity"][:, :2],
-        angle=grains["angle"] - O.dt * grains["velocity"][:, 2],
-        center=frame.centers[~frame.grains["fixed"]],
-        R=grains["half_length"] + grains["cap_radius"])
+    del grains["color"], grains["fixed"]
+    velocity = grains["velocity"]
+    return grains | dict(position=grains["position"] - O.dt * velocity[:, :2],
+                         angle=grains["angle"] - O.dt * velocity[:, 2])
 
 
 def _contacts(frame, codes):
-    """Return the columns of `Network.contacts`: compressed contacts, obstacles as body 2."""
-    free1, free2 = frame.free_ends()
-    bearing = (frame.normal_force() > 0) & (free1 | free2)
-    pulled = ((frame.normal_force() < 0) & (free1 | free2)).sum()
-    if pulled:
+    """Return the columns of `Network.contacts`: compressed contacts, fixed grains as obstacles."""
+    free, normal = frame.free_ends()[0], frame.normal_force()
+    if pulled := (free & (normal < 0)).sum():
         warnings.warn(f"contacts in tension are left out ({pulled}): a network holds compressive "
                       "forces; rcr.measure.stress_tensors() has the stresses of all", stacklevel=3)
-    turned, at_obstacle = ~free1[bearing], ~(free1 & free2)[bearing]
+    bearing = free & (normal > 0)
     c = {name: column[bearing] for name, column in frame.contacts.items()}
-    for one, two in (("body1", "body2"), ("arm1", "arm2")):
-        c[one][turned], c[two][turned] = c[two][turned], c[one][turned]
-    for name in ("normal", "force", "point_moments"):
-        c[name][turned] *= -1
-    arm1, arm2 = c.pop("arm1"), c.pop("arm2")
-    c["branch"] = np.where(at_obstacle[:, None], arm1, arm1 - arm2)
-    # beside body 1, also across a cell edge
-    c["position"] = frame.centers[frame.rows(c["body1"])] + arm1
+    at_obstacle = c["type"] == OBSTACLE
+    fixed = at_obstacle & (frame.rows(c["body2"]) >= 0)
+    c["branch"][fixed] = frame.arms()[0, bearing][fixed]
     obstacles = [codes.get(int(id_), OTHER - int(id_)) for id_ in c["body2"]]
     c["body2"] = np.where(at_obstacle, obstacles, c["body2"])
     # by ids, because YADE's order changes when a scene is reloaded

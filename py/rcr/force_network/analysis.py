@@ -10,7 +10,7 @@ import typing
 
 import numpy as np
 
-from rcr import distributions, statistics
+from rcr import distributions
 from rcr._data import files, run_folder
 from rcr.ensemble import Ensemble
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE, Network
@@ -83,9 +83,7 @@ def measures(one):
     networks, e = one.networks, Ensemble(one.networks, any_scene=True)
     known = np.isfinite(e.mobilization)
     branch, force = np.column_stack([e.ln, e.lt]), np.column_stack([e.fn, e.ft])
-    length, strength = np.hypot(*branch.T), np.hypot(*force.T)
-    reduced = statistics.pearson(strength, e.reduced_length) if e.eta > 0 else np.nan
-    mean = lambda values: float(np.mean([*values]))
+    mean, correlations = lambda values: float(np.mean([*values])), e.correlations()
     types = zip(("cc", "cs", "ss"), (CAP_CAP, CAP_SIDE, SIDE_SIDE))
     return dict(
         files=[str(path) for path in one.paths], networks=len(networks), contacts=len(e),
@@ -95,7 +93,7 @@ def measures(one):
         **{f"fraction_{name}": float(np.mean(e.type == kind)) for name, kind in types},
         weak_share=float(e.xi_networks.fraction(1)),
         friction_mobilization=float(e.mobilization[known].mean()) if known.any() else np.nan,
-        c_f_l=statistics.pearson(strength, length), c_f_lr=reduced,
+        c_f_l=correlations["c_f_l"], c_f_lr=correlations["c_f_lr"],
         normal_force=_forces(e.fn), tangential_force=_forces(np.abs(e.ft)),
         fabric=np.mean([n.fabric() for n in networks], axis=0), stress_angle=float(e.stress_angle),
         **_xi_functions(e), directions=distributions.polar(e.angle, branch, force)._asdict(),

@@ -196,5 +196,3 @@ class Biaxial:
                              repeated=self.progress["repeated"] + 1)
 
     summary, save, shear = summarize, checkpoint.save, shearing.shear
-    switch_to_springs = shearing.switch_to_springs
-    steps_per_record = property(shearing.steps_per_record)

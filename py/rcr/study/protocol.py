@@ -98,9 +98,9 @@ def is_critical(strain, start, end=math.inf):
     return (strain >= start - HALF_RECORD) & (strain <= end + HALF_RECORD)
 
 
-def critical_start(end):
+def critical_start(end, share=0.5):
     """Return the strain at which the critical state starts by default: the second half."""
-    return 0.5 * end
+    return share * end
 
 
 def slow_strain(approach):

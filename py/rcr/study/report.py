@@ -3,17 +3,19 @@
 import html
 import json
 
+import matplotlib
+
+from rcr import papers
 from rcr._data.files import jsonable
-from rcr._pictures import drawing, html_page
+from rcr._pictures import drawing, html_page, network_maps
+from rcr.observables.registry import OBSERVABLES
 from rcr.plot import packing
-from rcr.study import figures, report_text
+from rcr.study import report_text
 from rcr.study.analysis import analyse
-from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED, findings
-from rcr.study.claims.statements import MAPS, nearest
-from rcr.study.figures import maps
-from rcr.study.figures.captions import CAPTIONS
+from rcr.study.paper import AGREES, DIFFERS, NOT_TESTED
 
 TITLE = "Force networks of elongated particles"
+MADE = ["table.md", *(f"{key}{rest}" for key in OBSERVABLES for rest in (".p[nd][gf]", "-eta-*"))]
 _RULE = ("A value agrees within its tolerance or two standard errors; a trend must exceed two "
          "standard errors. The small print under each statement is its criterion; measured "
          "values have their elongation η in brackets.")
@@ -22,35 +24,38 @@ _TITLES = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 
 
-def write(runs, out, progress=lambda name: None, begin=lambda: None):
+def write(runs, out, progress=lambda name: None, begin=lambda: None, paper=None):
     """Analyse runs; write analysis.json, report.html, table.md and all figures to a folder.
 
     Figures are PNG and PDF. No file is replaced before all files are complete. `progress` is called
     with "analysis", each figure and "report", `begin` before a file is replaced. The function
     returns the table paper against measured, a list of `Finding`. Runs that cannot be analysed
-    together raise a ValueError.
+    together raise a ValueError. `paper` is by default `rcr.papers.DEFAULT`.
     """
     progress("analysis")
-    analysis = analyse(runs)
-    table = findings(analysis)
+    paper = papers.load() if paper is None else paper
+    analysis = analyse(runs, paper)
+    table = paper.findings(analysis)
     # refuses damaged summaries before the figures are drawn
-    lead, material = report_text.lead(runs, analysis, table), report_text.material(runs, analysis)
+    lead = report_text.lead(runs, analysis, table, paper)
+    material = report_text.material(runs, analysis)
     with html_page.scratch(out, begin) as folder:
         pictures = {key: [] for key in analysis}
-        for key in figures.FIGURES:
-            progress(key)
-            pictures[key] += drawing.save(figures.draw(key, analysis), folder / key)[:1]
-        for key, network in _map_networks(runs):
+        for key in analysis:
+            if OBSERVABLES[key].figure:
+                progress(key)
+                pictures[key] += drawing.save(draw(key, analysis, paper), folder / key)[:1]
+        for key, network in _map_networks(runs, paper):
             progress(f"{key} map")
             stem = folder / f"{key}-eta-{network.attributes['eta']:g}"
-            picture = drawing.save(maps.draw(key, network), stem)[0]
+            picture = drawing.save(network_maps.draw(network, *OBSERVABLES[key].map), stem)[0]
             analysis[key]["value"].setdefault("files", []).append(picture.name)
             pictures[key].append(picture)
         progress("report")
         (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
         (folder / "table.md").write_text(markdown(HEADER, table), encoding="utf-8")
         parts = [*(f"<p class='lead'>{sentence}</p>" for sentence in lead),
-                 _first_figures(runs, analysis),
+                 _first_figures(runs, analysis, paper),
                  *_tables(table, report_text.has_small_packing(runs)),
                  f"<h2>Tests and errors</h2><p>{material}</p>", "<h2>Figures</h2>",
                  *(_figure(key, entry, pictures[key]) for key, entry in analysis.items())]
@@ -58,30 +63,42 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
     return table
 
 
-def _map_networks(runs):
+def draw(key, analysis, paper, small=False):
+    """Return the figure of an observable of a result of `analyse`, or its `small` one."""
+    one = OBSERVABLES[key]
+    with matplotlib.rc_context(drawing.STYLE):
+        figure = one.small if small and one.small else one.figure
+        return figure(analysis[key]["value"], analysis, paper)
+
+
+def nearest(etas, targets):
+    """Return the elongations nearest to the targets, each once, rising."""
+    return sorted({min(etas, key=lambda eta: abs(eta - target)) for target in targets})
+
+
+def _map_networks(runs, paper):
     """Yield each map's observable and network of a first seed: isotropic (O2) or last."""
     etas = [run.eta for run in runs]
-    for key, targets in MAPS.items():
-        for eta in nearest(etas, targets):
+    for key in paper.observables():
+        for eta in nearest(etas, paper.maps.get(key, etas if OBSERVABLES[key].map else ())):
             run = runs[etas.index(eta)]
             network = run.isotropic if key == "O2" else run.networks[-1]
             if network is not None:
                 yield key, network
 
 
-def _first_figures(runs, analysis):
-    """Return the four figures of the first screen, each with a link to its large one."""
-    run = max(runs, key=lambda run: run.eta)
-    shown = [("O1", "Shear strength against elongation; dashed: the paper."),
-             ("O6", f"Contact forces at η = {run.eta:g}: black above the mean, red up to it; the "
-              "thicker the larger."),
-             ("O3", "How often a normal force of a given size occurs; the mean is 1."),
-             ("O15", "Anisotropy of the contacts with forces up to ξ times the mean; positive: "
-              "more contacts along the largest stress σ₁.")]
-    drawn = {key: figures.draw_small(key, analysis) for key in figures.SMALL}
-    drawn["O6"] = packing(run.networks[-1], color="0.88", contacts="force", legend=False).figure
-    parts = [f"<figure><a href='#{key}'>{html_page.drawn(drawn[key], key)}</a><figcaption>{text}"
-             "</figcaption></figure>" for key, text in shown]
+def _first_figures(runs, analysis, paper):
+    """Return the figures of the first screen, each with a link to its large one."""
+    run, parts = max(runs, key=lambda run: run.eta), []
+    for key, text in paper.first:
+        if key == "map":
+            key, text = "O6", text.format(run.eta)
+            axes = packing(run.networks[-1], color="0.88", contacts="force", legend=False)
+            figure = axes.figure
+        else:
+            figure = draw(key, analysis, paper, small=True)
+        parts.append(f"<figure><a href='#{key}'>{html_page.drawn(figure, key)}</a><figcaption>"
+                     f"{text}</figcaption></figure>")
     return f"<div class='four'>{''.join(parts)}</div>"
 
 
@@ -99,8 +116,9 @@ def _tables(table, small):
 
 
 def _figure(key, entry, pictures):
-    paper = f"<br><small>Paper: {html.escape(entry['paper'])}.</small>"
-    return html_page.figure(key, pictures, f"<b>{key}</b> {html.escape(CAPTIONS[key])}{paper}")
+    said = entry["paper"] and f"<br><small>Paper: {html.escape(entry['paper'])}.</small>"
+    caption = f"<b>{key}</b> {html.escape(OBSERVABLES[key].caption)}{said}"
+    return html_page.figure(key, pictures, caption)
 
 
 def summary(table):

@@ -7,22 +7,20 @@ import numpy as np
 
 from rcr._data import checks
 from rcr.study import protocol
-from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED
-from rcr.study.analysis import SEEDS
-from rcr.study.claims.comparisons import SIGMAS
+from rcr.observables.packings import SEEDS
+from rcr.study.criteria import SIGMAS
+from rcr.study.paper import AGREES, DIFFERS, NOT_TESTED
 from rcr.study.protocol import HALF_RECORD
 from rcr.study.runs import group_by_eta
 
 SLOW = 2e-4  # inertial number up to which a test is called slow [-]
 FEWEST = 1000  # grains from which on the verdicts of the table mean something
-PAPER = ("Azéma and Radjaï, <a href='https://arxiv.org/abs/1108.3164'><i>Force chains and contact "
-         "network topology in packings of elongated particles</i></a>")
 REACHED, MOVES, UNKNOWN = "reached", "moves", "unknown"  # states of the critical state
 
 
-def lead(runs, analysis, table):
+def lead(runs, analysis, table, paper):
     """Return the five sentences at the top of the report."""
-    return [_sheared(runs, analysis), _paper(), _outcome(analysis, table),
+    return [_sheared(runs, analysis), paper.about, _outcome(analysis, table, paper),
             _certainty(runs, analysis), _critical(runs, analysis)]
 
 
@@ -54,17 +52,15 @@ def _rate(runs):
             "on)")
 
 
-def _paper():
-    return f"The results are set against {PAPER}, who sheared packings of 13 000 grains."
-
-
-def _outcome(analysis, table):
+def _outcome(analysis, table, paper):
     value, count = analysis["O1"]["value"], verdicts(table)
     ends = [f"{value['sin_phi'][k]:.2f} at η = {value['eta'][k]:g}" for k in (0, -1)]
     measured = " and ".join(dict.fromkeys(ends))
-    ends_of_paper = dict.fromkeys(0.3 + 0.3 * value["eta"][k] for k in (0, -1))
-    paper = " and ".join(f"{strength:.2f}" for strength in ends_of_paper)
-    return (f"The shear strength sin φ = (σ₁ − σ₂)/(σ₁ + σ₂) is {measured} (paper: {paper}); "
+    stated = ""
+    if paper.strength:
+        ends = dict.fromkeys(paper.strength(value["eta"][k]) for k in (0, -1))
+        stated = f" (paper: {' and '.join(f'{strength:.2f}' for strength in ends)})"
+    return (f"The shear strength sin φ = (σ₁ − σ₂)/(σ₁ + σ₂) is {measured}{stated}; "
             f"{count[AGREES]} of the {len(table)} statements of the paper below agree, "
             f"{count[DIFFERS]} do not, {count[NOT_TESTED]} are not tested.")
 

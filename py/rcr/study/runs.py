@@ -56,13 +56,13 @@ class Run:
         return common_value(self.networks, "eta")
 
     @classmethod
-    def read(cls, folder, from_strain=None, to_strain=None, include_yielded=False):
+    def read(cls, folder, from_strain=None, to_strain=None, include_yielded=False, averages=0.5):
         """Read the run in a folder.
 
-        The critical state is by default the second half up to the largest strain saved. It has half
-        a record more at both ends. `include_yielded` keeps records and networks whose interval has
-        a step without a solution. A ValueError reports a damaged file, networks of several runs, or
-        no network in the critical state.
+        The critical state is by default from the share `averages` of the largest strain saved up to
+        this strain. It has half a record more at both ends. `include_yielded` keeps records and
+        networks whose interval has a step without a solution. A ValueError reports a damaged file,
+        networks of several runs, or no network in the critical state.
         """
         folder = pathlib.Path(files.path_of("the folder", folder))
         networks, isotropic = _networks(folder)
@@ -74,7 +74,7 @@ class Run:
         ordered = sorted(networks.values(), key=_strain)
         last = _strain(ordered[-1])
         to_strain = last if to_strain is None else min(last, checks.number("to_strain", to_strain))
-        start = critical_start(to_strain) if from_strain is None else from_strain
+        start = critical_start(to_strain, averages) if from_strain is None else from_strain
         from_strain = checks.number("from_strain", start)
         run = cls(folder, ordered, from_strain, to_strain, next(iter(isotropic.values()), None),
                   _history(folder / "history.csv"), record,

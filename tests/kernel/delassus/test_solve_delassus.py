@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from common import refused
 from kernel.contact_problems import dense, problem_of
-from benchmarks.measure import residual
+from oracle import residual
 from rcr import _kernel, problems
 
 

@@ -6,7 +6,8 @@ velocities of problems with a unique solution (no friction) agree to the accurac
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (ALL, EQUAL, assert_laws, assert_same_bits, assert_solved,
+from kernel.contact_problems import (EQUAL, REDUCTIONS, assert_laws, assert_same_bits,
+                                     assert_solved,
                                      beside, discs, errors, frictionless, grains_on_a_floor, heaps,
                                      model, models_in_a_workspace, parts_of, pile, square_discs,
                                      stored, without)
@@ -14,7 +15,7 @@ from kernel.contact_problems import (ALL, EQUAL, assert_laws, assert_same_bits, 
 
 def full_and_reduced(problem, *left_out, solver="nesterov", **settings):
     """Results without the reductions `left_out` and with all; the models of both."""
-    chosen = without(*left_out), ALL
+    chosen = without(*left_out), REDUCTIONS
     return ([problem.solve(solver, reductions=r, **settings) for r in chosen],
             [model(problem, reductions=r) for r in chosen])
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (ALL, beside, discs, frictionless, grains_on_a_floor, hub,
-                                     islands, pile, problem_of, square_discs, wall_of_bricks,
+from kernel.contact_problems import (REDUCTIONS, beside, discs, frictionless, grains_on_a_floor,
+                                     hub, islands, pile, problem_of, square_discs, wall_of_bricks,
                                      without)
 from rcr import _kernel
 
@@ -44,7 +44,7 @@ def case(request):
     problem = PROBLEMS[request.param]()
     arrays = "pairs", "islands", "sections", "chunks", "blocks1", "blocks2", "records"
     layout = {key: np.array(value) if key in arrays else value
-              for key, value in _kernel.layout(ALL, **problem).items()}
+              for key, value in _kernel.layout(REDUCTIONS, **problem).items()}
     fixed, number = ~problem["inverse_mass"].any(1), {-1: -1}
     of = [number.setdefault(label, len(number) - 1)
           for label in islands(~fixed, layout["pairs"][:, :2])]
@@ -54,7 +54,7 @@ def case(request):
 def test_pairs_join_neighbouring_points(case):
     """At most two consecutive points of the same bodies form a pair, always in the same place."""
     problem, layout = case
-    again = _kernel.layout(ALL, **problem)
+    again = _kernel.layout(REDUCTIONS, **problem)
     for name in "pairs", "blocks1":
         np.testing.assert_array_equal(np.array(again[name]), layout[name])
     pairs = []  # body 1, body 2, points
@@ -147,7 +147,7 @@ def test_chunks_and_sections_swept_at_once_share_no_moving_body(case):
 
 def test_a_large_island_has_partitions_of_similar_size():
     """The interfaces have a small part of the pairs."""
-    layout = _kernel.layout(ALL, **pile(2, 100, 60))
+    layout = _kernel.layout(REDUCTIONS, **pile(2, 100, 60))
     partitions, interfaces = np.diff(np.array(layout["islands"])[0, 3:].reshape(2, 2)).ravel()
     chunks, pairs = np.array(layout["chunks"]), np.array(layout["pairs"])
     section = np.full(len(layout["blocks1"]), -1)
@@ -193,7 +193,7 @@ def test_records(case):
 def test_models():
     """The cheapest model that holds; models of few pairs are not used, nor are small islands."""
 
-    def models(problem, reductions=ALL):
+    def models(problem, reductions=REDUCTIONS):
         pairs = np.array(_kernel.layout(reductions, **problem)["pairs"])
         return set(pairs[pairs[:, 4] != NO_SLOT, 3].tolist())
 
@@ -214,5 +214,5 @@ def test_models():
             np.random.default_rng(0).random(pair.max() + 1)[pair] < share, 0, 0.4)
         assert models(mixed) == expected, f"{share} of the pairs without friction"
     problems = grains_on_a_floor(1, points=2), hub(FEW_PAIRS), hub(FEW_PAIRS + 1)
-    chunks = [_kernel.layout(ALL, **problem)["chunks"] for problem in problems]
+    chunks = [_kernel.layout(REDUCTIONS, **problem)["chunks"] for problem in problems]
     assert [len(found) > 0 for found in chunks] == [False, False, True]

@@ -12,7 +12,7 @@ import dataclasses
 
 import numpy as np
 from kernel.contact_problems import dense, jacobian_times, problem_of, velocity
-from benchmarks.measure import error
+from oracle import error
 
 MOST_SWEEPS = 20_000
 FASTEST = 10  # m/s; gaps that no pair closes within a step are left out

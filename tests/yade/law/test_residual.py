@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import rcr
 from kernel.contact_problems import jacobian_times, problem_of_rows, weights
-from benchmarks.measure import error
+from oracle import error
 from scenes import box, build, material, pile, solver as engine, stadium, steps, warns
 from yade import O, utils
 

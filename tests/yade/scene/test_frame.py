@@ -71,12 +71,37 @@ def test_lever_arms_are_those_of_the_forces():
     one, _ = weightless(*(rcr.particle((x, 0), 1, 0, material=material(0), velocity=(v, 0))
                           for x, v in ((0, 10), (2.0, 0))), dt=1e-2, restitution=0)
     O.step()
-    contacts = Frame.of().contacts
+    frame = Frame.of()
+    contacts, arms = frame.contacts, frame.arms()
     sign = 1 if contacts["body1"][0] == one else -1
     assert O.bodies[one].state.pos[0] == pytest.approx(0.05)
-    assert contacts["arm1"][0] == pytest.approx([sign, 0])
-    assert contacts["arm2"][0] == pytest.approx([-sign, 0])
+    assert arms[0, 0] == pytest.approx([sign, 0])
+    assert arms[1, 0] == pytest.approx([-sign, 0])
     assert contacts["force"][0] @ contacts["normal"][0] > 0
+
+
+def test_a_network_is_a_selection_of_the_table():
+    """Contacts with a free grain, which is body 1; obstacles and fixed grains are body 2."""
+    heap()
+    steps(600)
+    frame, network = Frame.of(), rcr.contact_network(volume=1)
+    free = frame.free_ends()
+    bearing = np.flatnonzero(free[0] & (frame.normal_force() > 0))
+    assert (free[0] | ~free[1]).all() and len(bearing) == len(network.contacts["type"]) > 10
+    assert np.array_equal(frame.contacts["type"] == OBSTACLE, ~free[1]) and not free[1].all()
+    rows = {(c["body1"], tuple(c["position"])): c for c in map(
+        lambda k: {name: column[k] for name, column in frame.contacts.items()}, bearing)}
+    for k in range(len(bearing)):
+        c = {name: column[k] for name, column in network.contacts.items()}
+        found = rows[c["body1"], tuple(c["position"])]
+        for name in ("type", "points", "normal", "force", "friction", "point_moments", "branch"):
+            fixed = name == "branch" and c["body2"] < 0
+            assert fixed or np.array_equal(found[name], c[name], equal_nan=True), name
+        assert c["body2"] in (found["body2"], OTHER - found["body2"])
+    single = network.particles["clump"] < 0  # the area of a clump rounds differently elsewhere
+    stress = frame.grain_stresses()[~frame.grains["fixed"]][single]
+    rounding = 1e-12 * abs(stress).max()
+    assert network.grain_stresses()[single] == pytest.approx(stress, abs=rounding)
 
 
 def test_contact_points_lie_in_the_plane_of_the_grains():
@@ -93,7 +118,7 @@ def test_contacts_across_the_edge_of_a_cell():
     O.cell.hSize = ((10, 0, 0), (0, 8, 0), (0, 0, 10))
     O.step()
     frame = Frame.of()
-    arm1, arm2 = frame.contacts["arm1"][0], frame.contacts["arm2"][0]
+    arm1, arm2 = frame.arms()[:, 0]
     assert np.abs(arm1) == pytest.approx([0, 0.5], abs=1e-3)  # they overlap by 1e-3
     assert arm2 == pytest.approx(-arm1, abs=2e-3)
     assert frame.cell == pytest.approx(np.array([[10, 0], [0, 8]]))
@@ -291,8 +316,8 @@ def test_a_network_has_the_stresses_and_forces_of_its_scene(resting, tmp_path):
     saved, free = Frame.of(tmp_path / "network.h5"), ~scene.grains["fixed"]
     mean = np.einsum("n,nab->ab", saved.areas(), network.grain_stresses()) / 0.25
     assert mean == pytest.approx(network.stress(), rel=1e-9)  # rounding of sums
-    assert np.array_equal(saved.stress_tensors(), network.grain_stresses())
-    assert saved.stress_tensors() == pytest.approx(scene.stress_tensors()[free], rel=1e-9, abs=1e-9)
+    assert np.array_equal(saved.grain_stresses(), network.grain_stresses())
+    assert saved.grain_stresses() == pytest.approx(scene.grain_stresses()[free], rel=1e-9, abs=1e-9)
     assert saved.per_grain(saved.normal_force()) == pytest.approx(
         scene.per_grain(scene.normal_force())[free])
     assert (network.grain_coordination() == scene.per_grain(scene.normal_force() > 0)[free]).all()

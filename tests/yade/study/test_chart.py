@@ -14,6 +14,7 @@ from benchmarks.charts import (biaxial_cost, deterministic, estimate, known_forc
                                quasi_static, size)
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
+from rcr.study.shear import switch_to_springs
 from common import answer, refused
 from yade import O
 
@@ -176,7 +177,7 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
     rigid = compacted()
     fraction, masses = rigid.packing_fraction, [O.bodies[i].state.mass for i in rigid.grains]
     smooth = compacted()
-    smooth.switch_to_springs(1e3)
+    switch_to_springs(smooth, 1e3)
     assert smooth.packing_fraction == fraction and smooth.parameters["law"] == "smooth"
     smooth.shear_record()  # after it has unloaded its springs
     assert smooth.mean_stresses[0] == pytest.approx(PROTOCOL.confining_stress, rel=0.3)
@@ -214,7 +215,7 @@ def test_the_work_of_the_walls_is_accounted_for(law, most, tmp_path):
     """Rigid contacts to rounding for any step, springs and clumps to the error of their steps."""
     test = biaxial_cost.compacted(0.5, 1, options(tmp_path))
     if law == "smooth":
-        test.switch_to_springs(1e3)
+        switch_to_springs(test, 1e3)
     test = biaxial_cost.Stock(test, 1e3) if law == "stock" else test
     for _ in range(10):
         test.shear_record()

@@ -2,9 +2,12 @@
 
 import numpy as np
 
-from rcr.study.claims.comparisons import (
-    SIGMAS, NotTested, at_every_eta, at_xi_1, claim, format_errors, format_largest,
-    is_monotonic, is_within, known, minimum, require_finite, slope_of, trend)
+from rcr.papers.azema_radjai_2011 import PAPER
+from rcr.study.criteria import (
+    SIGMAS, NotTested, at_every_eta, at_xi_1, format_errors, format_largest, is_monotonic,
+    is_within, known, minimum, require_finite, slope_of, trend)
+
+claim = PAPER.claim
 
 LONG = (0.01, 1)  # range of η of grains that are not discs
 

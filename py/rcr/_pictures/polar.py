@@ -1,13 +1,15 @@
-"""Polar diagrams of the figures of the study. Needs NumPy and Matplotlib.
+"""Polar diagrams of observables, see `rcr._pictures.curves`. Needs NumPy and Matplotlib."""
 
-See `rcr.study.figures` for the arguments of each ``plot_…``.
-"""
-
+import matplotlib
 import matplotlib.ticker
 import numpy as np
 
-from rcr.study.claims.statements import POLAR_ETA, nearest
-from rcr.study.figures.plot_style import MARKERS, column, color, xi_color
+from rcr._pictures.curves import MARKERS, column, of_each_eta
+
+
+def xi_color(k, count):
+    """Return the colour of the k-th of `count` cutoffs ξ; each is legible on white."""
+    return matplotlib.colormaps["inferno"](0.66 * k / max(count - 1, 1))
 
 
 def xi_labels(value, name):
@@ -48,14 +50,13 @@ def style_polar(ax, labels_at=None):
     return ax
 
 
-def polar_row(value):
-    """Return the index of the elongation nearest to that of the paper's polar diagrams."""
-    return list(value["eta"]).index(nearest(value["eta"], [POLAR_ETA])[0])
+def row_near(value, eta):
+    """Return the index of the elongation nearest to η."""
+    return int(np.argmin(np.abs(column(value, "eta") - eta)))
 
 
-def plot_contact_directions(value, ax):
-    """Draw P(θ, ξ) with its Fourier fit (1 + a cos 2(θ − θ_c))/π [O14]."""
-    row = polar_row(value)
+def plot_contact_directions(value, row, ax):
+    """Draw P(θ, ξ) of an elongation with its Fourier fit (1 + a cos 2(θ − θ_c))/π."""
     sigma = column(value, "theta_sigma")[row]
 
     def fit(amplitude, off):
@@ -67,9 +68,8 @@ def plot_contact_directions(value, ax):
     return plot_polar(column(value, "theta"), column(value, "pdf")[row], fits, labels, ax)
 
 
-def plot_vector_directions(value, name, sigma, ax):
-    """Draw a normal (…_n) or tangential (…_t) mean by direction, and its fit [O16, O17]."""
-    row = polar_row(value)
+def plot_vector_directions(value, name, row, sigma, ax):
+    """Draw a normal (…_n) or tangential (…_t) mean of an elongation by direction, and its fit."""
     amplitudes = column(value, f"{name}_amplitude")[row]
     means = column(value, f"{name}_mean")[row] if name.endswith("n") else np.zeros_like(amplitudes)
     wave = np.cos if name.endswith("n") else np.sin
@@ -80,12 +80,12 @@ def plot_vector_directions(value, name, sigma, ax):
 
 
 def plot_isotropy(value, ax):
-    """Draw P(θ) of every elongation after compaction, and the circle 1/π [O2]."""
+    """Draw P(θ) of every elongation after compaction, and the circle 1/π."""
     theta = column(value, "theta")
-    for eta, row in zip(value["eta"], column(value, "pdf")):
+    for _, row, _, style in of_each_eta(value, "pdf"):
         closed = np.append(np.tile(row, 2), row[0])
-        ax.plot(np.linspace(theta[0], theta[0] + 2 * np.pi, len(closed)), closed, color=color(eta),
-                lw=0.7, label=rf"$\eta = {eta:g}$")
+        turn = np.linspace(theta[0], theta[0] + 2 * np.pi, len(closed))
+        ax.plot(turn, closed, lw=0.7, **style)
     ax.plot(
         np.linspace(0, 2 * np.pi, 361), np.full(361, 1 / np.pi), "k--", lw=0.9, label=r"$1/\pi$")
     ax.set_ylim(0, None)

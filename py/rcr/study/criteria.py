@@ -7,46 +7,13 @@ It raises `NotTested` where the data do not suffice.
 
 import numpy as np
 
-from rcr.study.observables import MEASURES
 from rcr.statistics import common_slope
 
 SIGMAS = 2  # standard errors that a deviation may have by chance
-CLAIMS = []  # (observables, statement, criterion, function), in the order of registration
-OF_ALL = {"strain", "theta", "files"}.union(*(axes for _, axes in MEASURES.values()))
 
 
 class NotTested(Exception):
     """Raised where the data do not suffice; the message is the reason."""
-
-
-def claim(observables, statement, criterion, etas=None, least=1):
-    """Return a decorator that registers a criterion as a row of the table.
-
-    The row belongs to the first of `observables`. The criterion takes the values of each: of all
-    elongations, of one (a number), or of those in a range, at least `least`.
-    """
-    keys = observables.split()
-
-    def register(test):
-        def verdict(values):
-            if missing := [key for key in keys if key not in values]:
-                raise NotTested(f"no values of {missing[0]}")
-            parts = [_chosen(values[key], etas, least) for key in keys]
-            agrees, value, *error = test(*parts)
-            if np.ndim(agrees):
-                return at_every_eta(parts[0]["eta"], agrees, value, *error)
-            return agrees, value, *error
-
-        CLAIMS.append((keys[0], statement, criterion, verdict))
-
-    return register
-
-
-def _chosen(v, etas, least):
-    if etas is None:
-        return v
-    rows = rows_of(v, *etas, least) if isinstance(etas, tuple) else row_of(v, etas)
-    return {name: array if name in OF_ALL else array[rows] for name, array in v.items()}
 
 
 def row_of(v, eta):

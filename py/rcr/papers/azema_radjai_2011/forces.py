@@ -2,17 +2,20 @@
 
 import numpy as np
 
-from rcr.study.claims.comparisons import (
-    SIGMAS, NotTested, at_both_ends, at_every_eta, claim, format_errors, is_within, list_by_eta,
-    require_finite, row_of, rows_of, slope_of, trend)
+from rcr.papers.azema_radjai_2011 import PAPER
 from rcr.statistics import pearson
+from rcr.study.criteria import (
+    SIGMAS, NotTested, at_both_ends, at_every_eta, format_errors, is_within, list_by_eta,
+    require_finite, row_of, rows_of, slope_of, trend)
+
+claim = PAPER.claim
 
 # --- strength and compaction ------------------------------------------------------------------
 
 
 @claim("O1", "sin φ = 0.30 + 0.30 η at the critical state", "within 0.02 or two errors at every η")
 def _(v):
-    away = v["sin_phi"] - 0.3 - 0.3 * v["eta"]
+    away = v["sin_phi"] - PAPER.strength(v["eta"])
     return is_within(away, 0.02, v["sin_phi_error"]), v["sin_phi"], v["sin_phi_error"]
 
 

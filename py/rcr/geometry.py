@@ -1,4 +1,4 @@
-"""Outlines of grains: extents, polygons and the area of their union. Needs NumPy.
+"""Outlines and areas of grains: extents, polygons, sample points, unions. Needs NumPy.
 
 `grains` is a dict of arrays, one row per grain: ``position`` (N, 2) [m], ``angle`` (N,) from x to
 the long axis [rad], ``half_length`` and ``cap_radius`` (N,) [m]. A disc has the half length 0.
@@ -47,6 +47,22 @@ def polygons(grains, points=12):
     y = grains["cap_radius"][:, None] * np.sin(turn)
     z = (x + 1j * y) * _axes(grains)[:, None]
     return np.stack([z.real, z.imag], axis=-1) + grains["position"][:, None]
+
+
+def samples(grains, count):
+    """Return points spread evenly over each grain, `count` along and across, and their weights.
+
+    The points (N, K, 2) [m] are relative to the centre. The weights (N, K),
+    fractions of the grain, add up to 1.
+    """
+    r, a = (grains[name][:, None] for name in ("cap_radius", "half_length"))
+    even = (2 * np.arange(count) + 1) / count - 1
+    u, v = (c.ravel() for c in np.meshgrid(even, even))
+    x, y = u * (a + r), v * r
+    inside = np.maximum(np.abs(x) - a, 0) ** 2 + y**2 <= r**2
+    turned = (x + 1j * y) * _axes(grains)[:, None]
+    points = np.stack([turned.real, turned.imag], axis=-1)
+    return points, inside / inside.sum(axis=1, keepdims=True)
 
 
 def union(grains):

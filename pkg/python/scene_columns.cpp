@@ -1,0 +1,185 @@
+// Bodies and contacts of the scene as rows of numbers, which rcr._yade.scene_arrays makes columns.
+//
+// Conventions of rcr.table: an obstacle is body 2, and so is a grain with prescribed motion in
+// contact with a free one. Forces, normals and branch vectors point from body 1 to body 2.
+#include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
+#include "dem/contacts/CdPhys.hpp"
+#include "dem/shapes/planeConversion.hpp"
+
+namespace py = boost::python;
+
+namespace yade {
+namespace {
+
+struct Rows {
+	std::vector<std::int64_t> integers;
+	std::vector<double>       reals;
+
+	void add(std::initializer_list<std::int64_t> whole, std::initializer_list<double> numbers)
+	{
+		integers.insert(integers.end(), whole);
+		reals.insert(reals.end(), numbers);
+	}
+	py::tuple bytes() const
+	{
+		const auto made = [](const auto& row) {
+			const char* first = reinterpret_cast<const char*>(row.data());
+			return py::object(py::handle<>(
+			        PyBytes_FromStringAndSize(first, Py_ssize_t(row.size() * sizeof(row[0])))));
+		};
+		return py::make_tuple(made(integers), made(reals));
+	}
+};
+
+struct Grain {
+	bool      known = false, fixed = false;
+	rcr::Vec2 center; // of mass, of the body or its clump, at the time of the forces [m]
+};
+
+double angleOf(const State& state)
+{
+	return 2 * std::atan2(double(state.ori.z()), double(state.ori.w()));
+}
+
+/// Adds a row if the body is a grain.
+Grain addGrain(Rows& rows, const Body& body, const Scene& scene, double& z)
+{
+	const auto* rcr    = dynamic_cast<const Rcr*>(body.shape.get());
+	const auto* sphere = dynamic_cast<const Sphere*>(body.shape.get());
+	if (!rcr && !sphere) return {};
+	const State& state = *body.state;
+	const bool   clump = body.clumpId >= 0;
+	const State& whole = clump ? *(*scene.bodies)[body.clumpId]->state : state;
+	const auto   fixed = State::DOF_X | State::DOF_Y | State::DOF_RZ;
+	const Vector3r moved = scene.dt * whole.vel, center = whole.pos - moved;
+	const Grain  grain { true, (whole.blockedDOFs & fixed) == fixed, plane::toPlane(center) };
+	const auto&  color = body.shape->color;
+	z                  = double(state.pos.z());
+	rows.add({ body.id, clump ? body.clumpId : -1, grain.fixed },
+	        { double(state.pos.x()), double(state.pos.y()), angleOf(state),
+	                rcr ? double(rcr->halfLength) : 0.0,
+	                double(rcr ? rcr->capRadius : sphere->radius), double(whole.mass),
+	                double(state.vel.x()), double(state.vel.y()), double(state.angVel.z()),
+	                double(color[0]), double(color[1]), double(color[2]), grain.center.x,
+	                grain.center.y });
+	return grain;
+}
+
+/// Adds a row if the body is an obstacle that reaches the plane at z: kind and corners [m].
+void addObstacle(Rows& rows, const Body& body, double z)
+{
+	const State&           state = *body.state;
+	const rcr::PlanarShape shape = plane::shapeOf(*body.shape, state, z);
+	const rcr::Vec2        at    = plane::toPlane(state.pos), middle = at + shape.offset;
+	const double           a = shape.halfLength, b = shape.halfWidth;
+	if (shape.kind == rcr::PlanarShape::wall)
+		rows.add({ body.id, 0, shape.axis }, { shape.axis ? at.y : at.x, 0, 0, 0, 0, 0, 0, 0 });
+	if (shape.kind == rcr::PlanarShape::box) {
+		const double    turn = angleOf(state);
+		const rcr::Vec2 x { a * std::cos(turn), a * std::sin(turn) },
+		        y { -b * std::sin(turn), b * std::cos(turn) };
+		const rcr::Vec2 p = at + x + y, q = at - x + y, r = at - x - y, s = at + x - y;
+		rows.add({ body.id, 1, 0 }, { p.x, p.y, q.x, q.y, r.x, r.y, s.x, s.y });
+	}
+	if (shape.kind == rcr::PlanarShape::segment) {
+		const rcr::Vec2 p = middle - a * shape.direction, q = middle + a * shape.direction;
+		rows.add({ body.id, 2, 0 }, { p.x, p.y, q.x, q.y, 0, 0, 0, 0 });
+	}
+}
+
+struct Resultant {
+	rcr::Vec2 position;
+	int       type = 0, points = 1;
+	double    moments[4] = {}; // Σ f ⊗ (x − position) over two points [N]
+};
+
+/// Resultant of a contact of rcr. Of two points, one without a force does not count, since
+/// detection reaches further for faster grains: sides that press at one end are a cap on a side.
+Resultant resultantOf(const RcrGeom& geom, const Vector2r& force1, const Vector2r& force2)
+{
+	const auto plain = [](const Vector2r& v) { return rcr::Vec2 { double(v[0]), double(v[1]) }; };
+	Resultant  found { plane::toPlane(geom.contactPoint), geom.type, geom.points };
+	if (found.points < 2) return found;
+	const double    one = double(force1[0]), two = double(force2[0]);
+	const rcr::Vec2 at[2] = { plain(geom.position1), plain(geom.position2) },
+	                normal[2] = { plain(geom.normal1), plain(geom.normal2) };
+	if (one + two > 0) {
+		found.position = { (one * at[0].x + two * at[1].x) / (one + two),
+			(one * at[0].y + two * at[1].y) / (one + two) };
+	}
+	if (one <= 0 || two <= 0) {
+		found.type   = found.type == 2 ? 1 : found.type;
+		found.points = 1;
+		return found;
+	}
+	for (int k = 0; k < 2; ++k) {
+		const Vector2r& local = k ? force2 : force1;
+		const rcr::Vec2 arm   = at[k] - found.position,
+		                force = double(local[0]) * normal[k] + double(local[1]) * perp(normal[k]);
+		found.moments[0] += force.x * arm.x, found.moments[1] += force.x * arm.y;
+		found.moments[2] += force.y * arm.x, found.moments[3] += force.y * arm.y;
+	}
+	return found;
+}
+
+/// Adds the row of a contact between bodies of rcr or of YADE's spheres, under any law.
+void addContact(Rows& rows, const Interaction& contact, const std::vector<Grain>& grains,
+        const Scene& scene)
+{
+	const auto* geom = dynamic_cast<const GenericSpheresContact*>(contact.geom.get());
+	const auto* phys = dynamic_cast<const NormPhys*>(contact.phys.get());
+	if (!geom || !phys) return;
+	Resultant found { plane::toPlane(geom->contactPoint) };
+	if (const auto* ours = dynamic_cast<const RcrGeom*>(geom)) {
+		if (ours->points == 0) return;
+		const Vector2r none = Vector2r::Zero();
+		const auto*    rigid = dynamic_cast<const CdPhys*>(phys);
+		const auto*    spring = dynamic_cast<const RcrFrictPhys*>(phys);
+		found = resultantOf(*ours, rigid ? rigid->force1 : spring ? spring->force1 : none,
+		        rigid ? rigid->force2 : spring ? spring->force2 : none);
+	}
+	const auto* shear    = dynamic_cast<const NormShearPhys*>(phys);
+	const auto* friction = dynamic_cast<const FrictPhys*>(phys);
+	const Vector3r total = shear ? Vector3r(phys->normalForce + shear->shearForce)
+	                             : phys->normalForce;
+	Vector3r shift = Vector3r::Zero();
+	if (scene.isPeriodic) shift = scene.cell->hSize * contact.cellDist.cast<Real>();
+	const Body::id_t ids[2] = { contact.getId1(), contact.getId2() };
+	const Grain      ends[2] = { grains[ids[0]], grains[ids[1]] };
+	if (!ends[0].known && !ends[1].known) return;
+	const rcr::Vec2  arms[2] = { found.position - ends[0].center,
+		found.position - ends[1].center - plane::toPlane(shift) };
+	const auto free    = [&](int k) { return ends[k].known && !ends[k].fixed; };
+	const int  first   = free(0) || (!free(1) && ends[0].known) ? 0 : 1, second = 1 - first;
+	const double sign  = first ? -1 : 1;
+	const rcr::Vec2 force = sign * plane::toPlane(total),
+	                normal = sign * plane::toPlane(geom->normal),
+	                branch = ends[second].known ? arms[first] - arms[second] : arms[first],
+	                // beside body 1, also across an edge of the cell
+	        position = ends[first].center + arms[first];
+	rows.add({ ids[first], ids[second], free(0) && free(1) ? found.type : 3, found.points },
+	        { position.x, position.y, normal.x, normal.y, force.x, force.y, branch.x, branch.y,
+	                friction ? double(friction->tangensOfFrictionAngle) : std::nan(""),
+	                sign * found.moments[0], sign * found.moments[1], sign * found.moments[2],
+	                sign * found.moments[3] });
+}
+
+} // namespace
+
+/// Rows of grains, contacts and obstacles, each as bytes of whole numbers and of doubles.
+py::tuple sceneColumns()
+{
+	const Scene&       scene = *Omega::instance().getScene();
+	Rows               grainRows, contactRows, obstacleRows;
+	std::vector<Grain> grains(scene.bodies->size());
+	double             z = 0;
+	for (const auto& body : *scene.bodies)
+		if (body && body->shape) grains[body->id] = addGrain(grainRows, *body, scene, z);
+	for (const auto& body : *scene.bodies)
+		if (body && body->shape) addObstacle(obstacleRows, *body, z);
+	for (const auto& contact : *scene.interactions)
+		if (contact->isReal()) addContact(contactRows, *contact, grains, scene);
+	return py::make_tuple(grainRows.bytes(), contactRows.bytes(), obstacleRows.bytes());
+}
+
+} // namespace yade
