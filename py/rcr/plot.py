@@ -20,7 +20,7 @@ from rcr._data.files import atomic_path
 from rcr._pictures.grain_colors import CATEGORIES, SCALES, grain_colors  # noqa: F401
 from rcr.frame import Frame
 
-CONTACTS = dict(force="black above the mean force, red up to it",
+CONTACTS = dict(force="black above the mean force, red up to it, blue in tension",
                 type="blue cap-cap, green cap-side, red side-side, grey with an obstacle",
                 mobilization="dark without friction to yellow where it slides: |f_t|/(µ f_n)")
 
@@ -163,11 +163,11 @@ def _add_contacts(ax, frame, by, share, reference):
     Return the `drawing.ForceScale`, None without any contact and reference.
     """
     force = frame.normal_force()
-    bearing = force > 0
+    bearing = force != 0
     if reference is None and not bearing.any():
         return None
     lines = frame.segments()[bearing]
-    mean = float(force[bearing].mean()) if reference is None else reference
+    mean = float(abs(force[bearing]).mean()) if reference is None else reference
     scale = drawing.force_scale(ax, frame, mean, share, reference is None)
     force = force[bearing]
     if by == "force":
@@ -178,5 +178,5 @@ def _add_contacts(ax, frame, by, share, reference):
     else:
         tints = [*TYPES.values(), OBSTACLE_CONTACT]
         tints = to_rgba_array(tints)[frame.contacts["type"][bearing]]
-    drawing.add_segments(ax, lines, scale.widths(force), colors=tints, zorder=3)
+    drawing.add_segments(ax, lines, scale.widths(abs(force)), colors=tints, zorder=3)
     return scale

@@ -99,7 +99,6 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	errorEstimate = result_.errorEstimate;
 	converged     = result_.converged;
 	yielded       = result_.yielded;
-	contactPoints = int(step_.problem.points.size());
 	if (result_.largeDisplacements && !result_.converged) checkEnergy(step_, scene->iter);
 	monitorStep();
 	if (tracksStretch()) timed("meanStretch", [&] { updateMeanStretch(); });
@@ -109,6 +108,7 @@ rcr::StepHost ContactDynamics::stepHost(const validation::Engines& engines)
 {
 	rcr::StepHost host = newContacts(*scene, engines);
 	host.check = [this] {
+		contactPoints = int(step_.problem.points.size()); // also of a step that fails
 		checkFinite(step_, scene->iter);
 		checkCellStress(step_, scene->iter);
 	};

@@ -123,7 +123,7 @@ py::dict ContactDynamics::problemDict() const
 		        c.friction });
 		bodies.push_back({ c.body1, c.body2 });
 	}
-	add("points", points), add("bodies", bodies), add("impulse", result_.start);
+	add("points", points), add("bodies", bodies), add("impulse", step_.warmStart);
 	add("inverse_mass", step_.problem.inverseMass);
 	add("free_velocity", step_.problem.freeVelocity);
 	return columns;

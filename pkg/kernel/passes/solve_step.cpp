@@ -91,7 +91,7 @@ static void solvePass(Call& call, const Settings& settings)
 	auto& [step, given, host, workspace, result] = call;
 	const double layoutBefore                    = workspace.layoutSeconds();
 	const Vec2   stretchBefore                   = step.problem.stretchRate;
-	result.start                                 = step.problem.impulse;
+	step.warmStart                               = step.problem.impulse;
 	// biases by which yielding contacts remove their overlaps
 	setRecoveryBias(step, given.correction, workspace.team());
 	const Report report = call.timed("solve",

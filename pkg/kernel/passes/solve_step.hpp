@@ -42,7 +42,6 @@ struct StepResult {
 	bool   largeDisplacements = false; // of a contact
 	int    iterations = 0;
 	double work = 0, residual = 0, errorEstimate = 0; // see Report
-	std::vector<LocalVector> start;                   // impulses from which the last pass began
 };
 
 /// Solves the step. `step.problem` and `step.force` hold the solution, `step.displacement` and

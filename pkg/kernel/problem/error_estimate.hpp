@@ -4,8 +4,8 @@
 // in a row of N bodies leaves a residual of about 5 e/N². Two estimates see such errors. Each is a
 // relative error of velocities and forces [-], and the smaller one counts.
 //
-//   bound    4 D² ‖d‖_w/‖p‖_w, with the diameter D of the contact graph; 100 D² if pairs of free
-//            bodies have two points: such a row bends
+//   bound    4 D² ‖d‖_w/‖p‖_w, with the diameter D of the contact graph; 100 D² in a slim island
+//            whose pairs have two points: such a row bends
 //   change   from the change Δp of the impulses since half as many sweeps, from D sweeps on:
 //            impulses must have crossed the island
 //
@@ -43,7 +43,7 @@ struct IslandShape {
 	int points = 0, bodies = 0;
 	int pairs    = 0; // of two free bodies
 	int diameter = 0; // longest of the shortest paths from a far body, in pairs
-	bool frictional = false;
+	bool frictional = false; // µ > 0 at a point
 	bool rolls      = false; // a point has rolling resistance: exact iterations do not know it
 	bool bends      = false; // a pair of free bodies has two points
 
@@ -65,7 +65,10 @@ struct IslandShape {
 		return frictional ? spread * accuracy : accuracy;
 	}
 	/// Error over residual of the smoothest error, at most [-].
-	double condition() const { return (bends ? 100.0 : 4.0) * diameter * diameter; }
+	double condition() const
+	{
+		return (slim() && bends ? 100.0 : 4.0) * diameter * diameter;
+	}
 };
 
 /// Change of an iterate, and the sums at the iterate, in the norms above.

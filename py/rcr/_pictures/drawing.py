@@ -33,7 +33,7 @@ FORCE_WIDTH = 0.08  # width of a segment with the mean force, over the mean thic
 LEAST_WIDTH = 0.2  # the same, at least [pt]; thinner lines fade
 WIDEST = 5  # force over the mean above which the width stops growing [-]
 EVEN = 1 + 1e-3  # largest weak force over the reference [-], above rounding and a tolerance of 1e-4
-STRONG, WEAK, MOBILIZED = "black", "#d62728", "#ffd92f"
+STRONG, WEAK, PULLED, MOBILIZED = "black", "#d62728", "#1f77b4", "#ffd92f"
 TYPES = {"cap-cap": "#1f77b4", "cap-side": "#2ca02c", "side-side": "#d62728"}
 GRAIN, RATTLER, OBSTACLE = "#d9d9d9", "#f5f5f5", "#9c9c9c"
 
@@ -131,9 +131,13 @@ def force_scale(ax, frame, force, share=None, is_mean=True):
 
 
 def add_forces(ax, lines, force, scale):
-    """Add segments of the width of their force: strong ones black, above weak ones in red."""
-    widths, weak = scale.widths(force), force <= EVEN * scale.force
-    for pick, tint, layer in ((weak, WEAK, 3), (~weak, STRONG, 4)):
+    """Add segments of the width of their force: strong ones black, above weak ones in red.
+
+    Forces in tension, below 0, are blue.
+    """
+    widths, weak = scale.widths(abs(force)), force <= EVEN * scale.force
+    pulls = force < 0
+    for pick, tint, layer in ((weak & ~pulls, WEAK, 3), (~weak, STRONG, 4), (pulls, PULLED, 4)):
         add_segments(ax, lines[pick], widths[pick], colors=tint, zorder=layer)
 
 

@@ -9,7 +9,7 @@ from rcr import _kernel
 
 WIDTH, NO_SLOT = 16, -1  # slots of a block; a pair without slot
 COLOURS = 16
-FRICTIONAL, NO_LEVER, FRICTIONLESS, FRICTIONLESS_DISC = range(4)
+ROLLING, FRICTIONAL, NO_LEVER, FRICTIONLESS, FRICTIONLESS_DISC = range(5)
 FEW_PAIRS, MANY_PAIRS = 16, 1024  # limits of islands: all overflow; one thread
 
 PROBLEMS = {

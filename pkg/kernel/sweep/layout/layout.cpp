@@ -134,7 +134,8 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 	pointKeys_.resize(points);
 	team.forEach(points, [&](std::size_t k) {
 		const ContactPoint& c = problem.points[k];
-		pointKeys_[k] = { c.body1, c.body2, requiredModel(problem, c), c.crossesMovingCell() };
+		pointKeys_[k] = { c.body1, c.body2, requiredModel(problem, c), c.crossesMovingCell(),
+			c.friction != 0 };
 	});
 	std::size_t count = 0;
 	bool        same  = true;
@@ -145,12 +146,13 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 		const Model      required = joins ? common(c.required, next.required) : c.required;
 		const PackedPair pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, required,
 			required, c.crossesMovingCell || (joins && next.crossesMovingCell),
-			none, 0 };
+			c.frictional || (joins && next.frictional), none, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
 		PackedPair& old = pairs_[count];
 		// firstPoint follows from the earlier pairs
 		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points
-		        || old.required != required || old.crossesMovingCell != pair.crossesMovingCell)
+		        || old.required != required || old.crossesMovingCell != pair.crossesMovingCell
+		        || old.frictional != pair.frictional)
 			same = false;
 		if (!same) old = pair;
 		k += pair.points;
@@ -298,9 +300,7 @@ void Layout::chooseModels(Island& island)
 	const int all           = island.pairs.end - island.pairs.begin;
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
 		++count[int(pairs_[byIsland_[k]].required)];
-	island.shape.rolls      = count[int(Model::rolling)] > 0;
-	island.shape.frictional = island.shape.rolls
-	        || count[int(Model::frictional)] + count[int(Model::noLever)] > 0;
+	island.shape.rolls = count[int(Model::rolling)] > 0;
 	const bool small  = all <= maxOverflowIsland;
 	const auto many   = [&](int pairs) { return small || minModelShare * pairs >= all; };
 	const bool discs  = many(count[int(Model::noLever)]),

@@ -36,6 +36,7 @@ struct PackedPair {
 	Model        required; // the cheapest model that holds
 	Model        model;    // the model in use
 	bool         crossesMovingCell; // its image moves or may move (CellStress): overflow
+	bool         frictional;        // µ > 0 at a point, even if no reduction leaves it out
 	std::int32_t slot; // blockWidth · block + lane; none: overflow, or two prescribed bodies
 	std::int32_t column;   // first column of its first point; those of the second follow
 };
@@ -114,7 +115,7 @@ private:
 	struct PointKey {
 		std::int32_t body1, body2;
 		Model        required;
-		bool         crossesMovingCell;
+		bool         crossesMovingCell, frictional;
 	};
 
 	bool  classifyBodies(const ContactProblem&);

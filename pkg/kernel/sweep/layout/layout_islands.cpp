@@ -32,6 +32,7 @@ void Layout::findIslands()
 		shape.pairs += free;
 		shape.bends = shape.bends || (free && pair.points > 1);
 		shape.points += pair.points;
+		shape.frictional = shape.frictional || pair.frictional;
 		shape.diameter = shape.bodies; // of a row; `cut` measures it in larger islands
 	}
 }
