@@ -23,27 +23,33 @@ namespace {
 	/// Outcome of a pass. All but `consistent` require a further pass.
 	enum class Outcome { consistent, contactsAdded, biasChanged };
 
-/// Arguments of solveStep, and its result.
-struct Call {
-	Step&               step;
-	const StepSettings& settings;
-	const StepHost&     host;
-	Workspace&          workspace;
-	StepResult          result;
+	/// Arguments of solveStep, and its result.
+	struct Call {
+		Step&               step;
+		const StepSettings& settings;
+		const StepHost&     host;
+		Workspace&          workspace;
+		StepResult          result;
 
-	/// Runs `work` and reports its wall time.
-	template <class Work> auto timed(const char* stage, Work work) const
-	{
-		using Clock = std::chrono::steady_clock;
-		struct Timer {
-			const StepHost&         host;
-			const char*             stage;
-			const Clock::time_point start = Clock::now();
-			~Timer() { host.clock(stage, std::chrono::duration<double>(Clock::now() - start).count()); }
-		} timer { host, stage };
-		return work();
-	}
-};
+		/// Runs `work` and reports its wall time.
+		template <class Work> auto timed(const char* stage, Work work) const
+		{
+			using Clock = std::chrono::steady_clock;
+			struct Timer {
+				const StepHost&         host;
+				const char*             stage;
+				const Clock::time_point start = Clock::now();
+				~Timer()
+				{
+					host.clock(
+					        stage,
+					        std::chrono::duration<double>(Clock::now() - start)
+					                .count());
+				}
+			} timer { host, stage };
+			return work();
+		}
+	};
 
 } // namespace
 
@@ -69,7 +75,8 @@ static Settings firstPass(const Call& call, const YieldBounds& bounds)
 {
 	Settings s         = passSettings(call.settings, bounds);
 	s.roundingVelocity = call.step.roundingVelocity(call.workspace.team());
-	if (!call.step.overdamped) s.velocityTolerance = driftVelocity(call.step); // else no overlap remains
+	// overdamped steps leave no overlap
+	if (!call.step.overdamped) s.velocityTolerance = driftVelocity(call.step);
 	if (call.settings.squeezed) s.maxIterations *= squeezedEffort;
 	return s;
 }
@@ -94,8 +101,9 @@ static void solvePass(Call& call, const Settings& settings)
 	step.warmStart                               = step.problem.impulse;
 	// biases by which yielding contacts remove their overlaps
 	setRecoveryBias(step, given.correction, workspace.team());
-	const Report report = call.timed("solve",
-	        [&] { return rcr::solve(step.problem, given.solver, settings, workspace); });
+	const Report report = call.timed("solve", [&] {
+		return rcr::solve(step.problem, given.solver, settings, workspace);
+	});
 	const double layout = workspace.layoutSeconds() - layoutBefore;
 	// the solve contains the layout, which has a time of its own
 	host.clock("layout", layout), host.clock("solve", -layout);
@@ -116,11 +124,11 @@ static Outcome review(Call& call, int pass)
 {
 	auto& [step, settings, host, workspace, result] = call;
 	const bool nextIsLast                           = pass == mostPasses - 1;
-	const bool late = call.timed("lateContacts", [&] {
-		if (!findLateContacts(step, host.allows)) return false;
-		addFoundContacts(step, host);
-		return true;
-	});
+	const bool late                                 = call.timed("lateContacts", [&] {
+                if (!findLateContacts(step, host.allows)) return false;
+                addFoundContacts(step, host);
+                return true;
+        });
 	if (late) {
 		// The last pass is not reviewed, so biases that separate bodies could add energy.
 		// Overdamped steps need such biases to remove overlaps.
@@ -131,8 +139,9 @@ static Outcome review(Call& call, int pass)
 	return call.timed("biasUpdate", [&] {
 		// else passes could release and load a contact in turn
 		const bool mayRelease = pass <= mostPasses / 2;
-		bool changed = adaptBiases(step, mayRelease, nextIsLast, settings.pass.tolerance,
-		        result.largeDisplacements, workspace.team());
+		bool       changed    = adaptBiases(
+		                 step, mayRelease, nextIsLast, settings.pass.tolerance,
+		                 result.largeDisplacements, workspace.team());
 		if (result.yielded) changed |= lowerRestitutionOfYielded(step, nextIsLast);
 		return changed ? Outcome::biasChanged : Outcome::consistent;
 	});
@@ -147,8 +156,8 @@ static void displace(Call& call)
 	if (overlap > JamDetector::jamOverlap) result.converged = false;
 }
 
-StepResult solveStep(
-        Step& step, const StepSettings& settings, const StepHost& host, Workspace& workspace)
+StepResult
+solveStep(Step& step, const StepSettings& settings, const StepHost& host, Workspace& workspace)
 {
 	Call call { step, settings, host, workspace, {} };
 	// speed of the drive, compliance of yielding contacts, impulse beyond which contacts yield
@@ -158,9 +167,12 @@ StepResult solveStep(
 		now.solutionExists = restIsAdmissible(step, bounds.driveSpeed);
 		solvePass(call, now);
 		if (pass == mostPasses) {
-			if (call.timed("lateContacts", [&] { return findLateContacts(step, host.allows); }))
+			if (call.timed("lateContacts", [&] {
+				    return findLateContacts(step, host.allows);
+			    }))
 				call.result.converged = false;
-			if (!step.overdamped) call.result.largeDisplacements |= anyLargeDisplacement(step);
+			if (!step.overdamped)
+				call.result.largeDisplacements |= anyLargeDisplacement(step);
 			break;
 		}
 		const Outcome outcome = review(call, pass);

@@ -40,7 +40,7 @@ struct StepSettings {
 struct StepResult {
 	bool   converged = true, yielded = false;
 	bool   largeDisplacements = false; // of a contact
-	int    iterations = 0;
+	int    iterations         = 0;
 	double work = 0, residual = 0, errorEstimate = 0; // see Report
 };
 

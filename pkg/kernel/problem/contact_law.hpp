@@ -6,10 +6,11 @@
 namespace rcr {
 
 struct ContactLaw {
-	double friction        = 0; // µ [-]
-	double restitution     = 0; // e, Newton's coefficient [-]
-	double adhesion        = 0; // f_a, pull of a point that touches [N], per unit depth
-	double rollingFriction = 0; // µ_r: a contact of one point bears the moment µ_r (R₁ + R₂) f_n [-]
+	double friction    = 0; // µ [-]
+	double restitution = 0; // e, Newton's coefficient [-]
+	double adhesion    = 0; // f_a, pull of a point that touches [N], per unit depth
+	double rollingFriction
+	        = 0; // µ_r: a contact of one point bears the moment µ_r (R₁ + R₂) f_n [-]
 };
 
 } // namespace rcr

@@ -1,11 +1,11 @@
-// Estimate of the true error: the distance of an iterate to the solution that the solver approaches.
+// Estimate of the true error: the distance of an iterate to the solution that it approaches.
 //
 // The residual is blind to errors that vary slowly from contact to contact. A smooth force error e
 // in a row of N bodies leaves a residual of about 5 e/N². Two estimates see such errors. Each is a
 // relative error of velocities and forces [-], and the smaller one counts.
 //
-//   bound    4 D² ‖d‖_w/‖p‖_w, with the diameter D of the contact graph; 100 D² in a slim island
-//            whose pairs have two points: such a row bends
+//   bound    4 D² ‖d‖_w/‖p‖_w in slim islands, with the diameter D of the contact graph; 100 D² if
+//            their pairs have two points, since such a row bends, and in other islands
 //   change   from the change Δp of the impulses since half as many sweeps, from D sweeps on:
 //            impulses must have crossed the island
 //
@@ -18,11 +18,11 @@
 //   with friction c = 1.4, without c = 0.27
 //
 // Norms: ‖p‖_w² = Σ w_nn |p|², ‖v‖_M² = Σ m |v|² + I ω². d is the error of a point in the contact
-// laws (residual.hpp). The formula of e_v is the Cauchy–Schwarz bound of the energy
-// (p − p*)ᵀ W (p − p*) ≤ Σ w_nn d · (p − p*), with a factor that fits the measurements. At least a
-// hundredth of ‖p‖_w replaces ‖v − v_free‖_M: bodies at rest between walls have no scale of their own.
+// laws (residual.hpp). e_v follows from the bound of Cauchy and Schwarz, (p − p*)ᵀ W (p − p*) ≤
+// Σ w_nn d · (p − p*). The factors fit the measured true errors. ‖v − v_free‖_M counts as at least
+// a hundredth of ‖p‖_w, since bodies at rest between walls have no scale of their own.
 //
-// Heavy bodies hide the errors of light ones in these norms, and slow the solvers. So both estimates
+// Heavy bodies hide the errors of light ones in these norms, and slow the solvers. Both estimates
 // of a slim island are multiplied by the largest mass of a body times the mean w_nn. In other
 // islands, bodies and contacts whose mass is over 30 times the mean do not enter the norms.
 //
@@ -40,9 +40,9 @@ constexpr double unknownError = std::numeric_limits<double>::infinity();
 
 /// The contact graph of an island: its free bodies, joined by pairs.
 struct IslandShape {
-	int points = 0, bodies = 0;
-	int pairs    = 0; // of two free bodies
-	int diameter = 0; // longest of the shortest paths from a far body, in pairs
+	int  points = 0, bodies = 0;
+	int  pairs      = 0;     // of two free bodies
+	int  diameter   = 0;     // longest of the shortest paths from a far body, in pairs
 	bool frictional = false; // µ > 0 at a point
 	bool rolls      = false; // a point has rolling resistance: exact iterations do not know it
 	bool bends      = false; // a pair of free bodies has two points
@@ -67,8 +67,11 @@ struct IslandShape {
 	/// Error over residual of the smoothest error, at most [-].
 	double condition() const
 	{
-		return (slim() && bends ? 100.0 : 4.0) * diameter * diameter;
+		const double perPair2 = !slim() ? 10 : bends ? 100 : 4;
+		return perPair2 * diameter * diameter;
 	}
+	/// The same for sweeps: in packings, friction can hide errors ten times as large.
+	double conditionOfSweeps() const { return (slim() ? 1 : 10) * condition(); }
 };
 
 /// Change of an iterate, and the sums at the iterate, in the norms above.
@@ -97,7 +100,7 @@ double conditionOf(const ContactProblem&, const IslandShape&);
 
 /// Distance of the impulses of the problem from `before`, in forces and velocities [-]: the larger
 /// of ‖Δp‖_w/‖p‖_w and ‖Δv‖_M/‖v − v_free‖_M.
-double distanceFrom(
-        const ContactProblem&, const std::vector<LocalVector>& before, const IslandShape&);
+double
+distanceFrom(const ContactProblem&, const std::vector<LocalVector>& before, const IslandShape&);
 
 } // namespace rcr

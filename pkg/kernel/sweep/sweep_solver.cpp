@@ -69,7 +69,7 @@ Criteria IslandStop::evaluate(bool atEnd)
 	normal_                  = m.normal;
 	criteria.errorEstimate   = criteria.residual == 0
 	          ? 0
-	          : island_.norm().factor * island_.shape().condition()
+	          : island_.norm().factor * island_.shape().conditionOfSweeps()
 	                * relativeRms(m.errorEnergy, m.impulseEnergy);
 	if (!atEnd && !settings().areMet(criteria.residual, criteria.velocityError, 0)) return criteria;
 	// a smooth error changes only after impulses have crossed the island

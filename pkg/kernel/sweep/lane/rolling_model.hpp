@@ -82,10 +82,12 @@ struct Rolling {
 	static Impulse solve(const Columns& c, int lane, const Impulse& u, const Impulse& p)
 	{
 		const Vector at = solvePoint(c, lane, u.at, p.at), change = at - p.at;
-		const L      ur = addProduct(addProduct(u.r, L::load(c.responseN() + lane), change.n),
+		const L      ur = addProduct(
+		             addProduct(u.r, L::load(c.responseN() + lane), change.n),
 		             L::load(c.responseT() + lane), change.t);
 		return { at,
-			clampTo(subtractProduct(p.r, L::load(c.inverseRr() + lane), ur), most(c, lane, at)) };
+			 clampTo(subtractProduct(p.r, L::load(c.inverseRr() + lane), ur),
+			         most(c, lane, at)) };
 	}
 	static void apply(const Columns& c, int lane, const Impulse& p, B& v1, B& v2)
 	{
