@@ -51,7 +51,9 @@ struct IslandShape {
 	/// less than sweeps, whose number grows with the diameter.
 	bool slim() const
 	{
-		constexpr int tiny = 16, widest = 6, bodiesPerLoop = 20;
+		constexpr int tiny = 16, bodiesPerLoop = 20;
+		// bodies that touch in the plane form at most three pairs a body: of more, many lie apart
+		const int widest = pairs > 3 * bodies ? 6 : 4;
 		return bodies <= tiny || bodies <= widest * diameter
 		        || bodiesPerLoop * (pairs + 1 - bodies) <= bodies;
 	}
