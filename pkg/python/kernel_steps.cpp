@@ -11,58 +11,44 @@ namespace {
 
 	class GrainSteps {
 	public:
-		GrainSteps(
-		        const Array&                                             position,
-		        const Array&                                             radius,
-		        const Array&                                             inverseMass,
-		        const py::object&                                        halfLength,
-		        const py::object&                                        angle,
-		        const py::object&                                        velocity,
+		GrainSteps(const Array& position, const Array& radius, const Array& inverseMass,
+		        const py::object& halfLength, const py::object& angle, const py::object& velocity,
 		        const std::vector<std::tuple<std::string, double, int>>& walls,
-		        std::array<double, 2>                                    gravity,
-		        const ContactLaw&                                        law,
-		        const StepSettings&                                      settings)
+		        std::array<double, 2> gravity, const ContactLaw& law, const StepSettings& settings)
 		        : gravity_ { gravity[0], gravity[1] }
 		        , law_(law)
 		        , settings_(settings)
 		{
 			const py::ssize_t count = rowsOf(position);
-			const auto        given = [&](const py::object& array, const char* name) {
-                                return array.is_none()
-				               ? std::vector<double>(count)
-				               : rowsFrom<double>(array.cast<Array>(), name, count);
+			const auto        given = [&](auto row, const py::object& array, const char* name) {
+				using Row = decltype(row);
+				return array.is_none() ? std::vector<Row>(count)
+				                       : rowsFrom<Row>(array.cast<Array>(), name, count);
 			};
 			const auto at     = rowsFrom<Vec2>(position, "position", count);
 			const auto cap    = rowsFrom<double>(radius, "radius", count);
-			const auto half   = given(halfLength, "half_length"),
-			           turn   = given(angle, "angle");
-			const auto motion = velocity.is_none()
-			        ? std::vector<PlanarVector>(count)
-			        : rowsFrom<PlanarVector>(velocity.cast<Array>(), "velocity", count);
-			inverseMass_ = rowsFrom<InverseMass>(inverseMass, "inverse_mass", count);
+			const auto half   = given(double(), halfLength, "half_length"),
+			           turn   = given(double(), angle, "angle");
+			const auto motion = given(PlanarVector(), velocity, "velocity");
+			const auto mass   = rowsFrom<InverseMass>(inverseMass, "inverse_mass", count);
 			for (py::ssize_t k = 0; k < count; ++k) {
 				if (!(cap[k] > 0 && half[k] >= 0 && finite(cap[k], half[k])))
-					refuse("grain ", k, ": radius ", cap[k],
-					       " and half_length ", half[k],
-					       "; expected radius > 0 and half_length ≥ 0 [m]");
+					refuse("grain ", k, ": radius ", cap[k], " and half_length ", half[k],
+					        "; expected radius > 0 and half_length ≥ 0 [m]");
 				PlanarShape shape;
 				shape.kind = half[k] > 0 ? PlanarShape::stadium : PlanarShape::disc;
 				shape.halfLength = half[k], shape.halfWidth = cap[k];
-				add(shape, at[k], turned({}, turn[k]), motion[k]);
+				add(shape, at[k], turned({}, turn[k]), motion[k], mass[k]);
 			}
 			for (const auto& [axis, place, sense] : walls) {
 				if ((axis != "x" && axis != "y") || std::abs(sense) > 1)
 					refuse("a wall (", axis, ", ", place, ", ", sense,
-					       "); expected ('x' or 'y', position [m], sense −1, 0 "
-					       "or 1)");
+					        "); expected ('x' or 'y', position [m], sense −1, 0 or 1)");
 				PlanarShape shape;
 				shape.kind = PlanarShape::wall;
 				shape.axis = axis == "x" ? 0 : 1, shape.sense = std::int8_t(sense);
-				add(shape, axis == "x" ? Vec2 { place, 0 } : Vec2 { 0, place }, {},
-				    {});
-				inverseMass_.push_back({});
+				add(shape, axis == "x" ? Vec2 { place, 0 } : Vec2 { 0, place }, {}, {}, {});
 			}
-			step_.problem.inverseMass = inverseMass_;
 			step_.problem.freeVelocity.resize(step_.bodies.size());
 		}
 
@@ -81,15 +67,13 @@ namespace {
 			ThreadTeam& team = workspace_.team();
 			StepResult  result;
 			team.run(1, [&] {
-				if (neighbors_.update(step_, team) || isFirst_)
-					pairs_.assign(neighbors_.list());
-				isFirst_ = false;
+				if (neighbors_.update(step_, team)) pairs_.assign(neighbors_.list());
 				pairs_.detect(step_, team, false);
 				for (Pair& pair : pairs_.all)
 					if (pair.isNew) pair.law = law_;
 				pairs_.fillStep(step_, team);
 				const StepHost host { [](int, int) { return true; },
-					              [&](int, int) { return law_; } };
+					[&](int, int) { return law_; } };
 				result = solveStep(step_, settings_, host, workspace_);
 				pairs_.addFoundContacts(step_, 0);
 				if (!step_.added.empty()) pairs_.numberContacts(step_);
@@ -144,20 +128,20 @@ namespace {
 		}
 
 	private:
-		void add(const PlanarShape& shape, Vec2 center, Turn turn, PlanarVector velocity)
+		void add(const PlanarShape& shape, Vec2 center, Turn turn, PlanarVector velocity,
+		        const InverseMass& mass)
 		{
 			StepBody body;
-			body.shape = shape, body.center = center, body.turn = turn,
-			body.velocity = velocity;
-			body.radius   = shape.radius();
-			body.owner    = int(step_.bodies.size());
-			body.free
-			        = shape.grain() && !inverseMass_[step_.bodies.size()].prescribed();
+			body.shape = shape, body.center = center, body.turn = turn, body.velocity = velocity;
+			body.radius = shape.radius();
+			body.owner  = int(step_.bodies.size());
+			body.free   = shape.grain() && !mass.prescribed();
 			step_.bodies.push_back(body);
+			step_.problem.inverseMass.push_back(mass);
 		}
 		Inertia inertia(std::size_t id) const
 		{
-			const InverseMass& m      = inverseMass_[id];
+			const InverseMass& m      = step_.problem.inverseMass[id];
 			const double       moment = m.rotation > 0 ? 1 / m.rotation : 0;
 			return { m.mass(), moment, m.x > 0, m.y > 0, m.rotation > 0 };
 		}
@@ -167,15 +151,8 @@ namespace {
 			for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
 				StepBody& b = step_.bodies[id];
 				b.velocity  = step_.problem.velocity[id];
-				if (!step_.displacement.empty() && b.free) {
-					const PlanarVector& by = step_.displacement[id];
-					b.center               = b.center + Vec2 { by.x, by.y };
-					if (by.rotation != 0)
-						b.turn = normalized(turned(b.turn, by.rotation));
-				}
-				b.center
-				        = b.center + step_.dt * Vec2 { b.velocity.x, b.velocity.y };
-				b.turn = turnAfter(b.turn, b.velocity.rotation, step_.dt);
+				if (!step_.displacement.empty() && b.free) displace(b, step_.displacement[id]);
+				rcr::move(b, step_.dt);
 			}
 		}
 		template <class Row, class Of> Array rows(Of of) const
@@ -192,12 +169,10 @@ namespace {
 		Vec2                     gravity_;
 		ContactLaw               law_;
 		StepSettings             settings_;
-		std::vector<InverseMass> inverseMass_;
 		Step                     step_;
 		Neighbors                neighbors_;
 		Pairs                    pairs_;
 		Workspace                workspace_;
-		bool                     isFirst_ = true;
 	};
 
 } // namespace
@@ -211,11 +186,9 @@ void bindSteps(py::module_& m)
 	        "Grains are discs of `radius` or, with `half_length` > 0, rounded-cap rectangles.\n"
 	        "Lengths in m, times in s; masses and forces per unit depth.\n"
 	        "\n"
-	        "Arrays: position (n, 2), radius (n,), inverse_mass (n, 3) as (1/m, 1/m, 1/I), "
-	        "where 0\n"
+	        "Arrays: position (n, 2), radius (n,), inverse_mass (n, 3) as (1/m, 1/m, 1/I), where 0\n"
 	        "prescribes the motion; optional half_length and angle (n,), velocity (n, 3).\n"
-	        "walls: list of (axis 'x' or 'y', position, sense −1, 0 or 1); gravity (2,) "
-	        "[m/s²].\n"
+	        "walls: list of (axis 'x' or 'y', position, sense −1, 0 or 1); gravity (2,) [m/s²].\n"
 	        "Of all contacts: friction, restitution, adhesion [N], rolling_friction.\n"
 	        "solver, tolerance, accuracy and max_iterations are those of ContactDynamics.\n"
 	        "Raises ValueError for wrong shapes and numbers.")
@@ -259,12 +232,9 @@ void bindSteps(py::module_& m)
 	        .def_property_readonly(
 	                "velocity", &GrainSteps::velocity, "(v_x, v_y, ω), (n, 3) [m/s, 1/s].")
 	        .def("contacts", &GrainSteps::contacts,
-	             "Contact points of the last step, a dict of arrays: bodies (nc, 2), where "
-	             "walls\n"
-	             "follow the grains; normal (nc, 2) from body 1 to body 2; force (nc, 2) as "
-	             "(n, t)\n"
-	             "on body 2 [N]; gap at the beginning (nc,) [m]; rolling_moment on body 2 "
-	             "(nc,)\n"
+	             "Contact points of the last step, a dict of arrays: bodies (nc, 2), where walls\n"
+	             "follow the grains; normal (nc, 2) from body 1 to body 2; force (nc, 2) as (n, t)\n"
+	             "on body 2 [N]; gap at the beginning (nc,) [m]; rolling_moment on body 2 (nc,)\n"
 	             "[N m].");
 }
 

@@ -1,12 +1,12 @@
 // Size of the last problem, how it was solved, and the wall time of all stages.
 #pragma once
 
-#include <chrono>
 #include <map>
 #include <mutex>
 #include <string>
 
 #include "dem/yadeHeaders.hpp"
+#include "kernel/parallel/timed.hpp"
 #include "kernel/problem/reductions.hpp"
 
 namespace yade {
@@ -38,14 +38,7 @@ public:
 	/// Runs `work` and adds its duration to the stage.
 	template <class Work> auto measure(const char* stage, Work work)
 	{
-		using Clock = std::chrono::steady_clock;
-		struct Timer {
-			StageTimes&             times;
-			const char*             stage;
-			const Clock::time_point start = Clock::now();
-			~Timer() { times.add(stage, std::chrono::duration<double>(Clock::now() - start).count()); }
-		} timer { *this, stage };
-		return work();
+		return rcr::timed([&](double seconds) { add(stage, seconds); }, work);
 	}
 
 	void add(const std::string& stage, double seconds)

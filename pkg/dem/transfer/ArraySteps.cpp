@@ -280,15 +280,10 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
 		if (isSynced_[id]) return;
 		rcr::StepBody& body = step.bodies[id];
-		if (!step.displacement.empty() && body.free) {
-			const rcr::PlanarVector& by = step.displacement[id];
-			body.center                 = { body.center.x + by.x, body.center.y + by.y };
-			if (by.rotation != 0) body.turn = rcr::normalized(rcr::turned(body.turn, by.rotation));
-		}
+		if (!step.displacement.empty() && body.free) rcr::displace(body, step.displacement[id]);
 		rcr::PlanarVector& v = body.velocity;
 		v             = rcr::accelerated(v, inertia_[id], inverseDt * impulses[id], gravity, before);
-		body.center   = { body.center.x + v.x * before, body.center.y + v.y * before };
-		body.turn     = rcr::turnAfter(body.turn, v.rotation, before);
+		rcr::move(body, before);
 		body.alertDistance = rcr::alertDistance(body.shape, v, step.dt);
 		if (body.free) body.coveredPath = body.alertDistance;
 		if (step.overdamped) {

@@ -169,9 +169,8 @@ std::vector<rcr::PlanarVector> contactImpulses(const rcr::Step& step)
 	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {
 		const rcr::ContactPoint& c = step.problem.points[k];
 		applyImpulse(c, step.problem.impulse[k], unit, unit, impulses[c.body1], impulses[c.body2]);
-		const double moment = c.rollingLength * step.problem.rollingImpulseOf(k);
-		impulses[c.body1].rotation -= moment;
-		impulses[c.body2].rotation += moment;
+		applyRollingImpulse(c, step.problem.rollingImpulseOf(k), unit, unit, impulses[c.body1],
+		        impulses[c.body2]);
 	}
 	return impulses;
 }

@@ -106,26 +106,24 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
         if (settings.mayYield()) before = problem.impulse;
 	};
 	Report     report   = swept;
-	double     error2   = measuresOf(problem).error2; // ‖d‖² of the last impulses
+	Measures   now      = measuresOf(problem); // of the last impulses
 	const auto mustYield = [&] {
+		const double last = now.error2;
+		now               = measuresOf(problem);
 		if (!settings.mayYield()) return false;
 		// impulses that grow and lower the error in the laws approach a solution
-		const double last = error2;
-		error2            = measuresOf(problem).error2;
-		const bool falls  = error2 < leastFall * leastFall * last;
+		const bool falls = now.error2 < leastFall * leastFall * last;
 		report.yielded = exceedsEnergyBound(problem) || (!falls && isDivergent(problem, before));
 		return report.yielded;
 	};
 	report.iterations = 0, report.work = 0;
 	ProximalProblem                proximal(problem);
-	std::vector<ProximalParameter> rho(
-	        proximal.size(), ProximalParameter(10 * conditionOf(problem, swept.shape)));
+	const double                   condition = conditionOf(problem, swept.shape);
+	std::vector<ProximalParameter> rho(proximal.size(), ProximalParameter(10 * condition));
 	const auto iterate = [&](double estimate) -> Best {
-		const Measures m = measuresOf(problem);
-		return { residualFromSums(m), velocityError(m, problem.points.size()), estimate,
+		return { residualFromSums(now), velocityError(now, problem.points.size()), estimate,
 			problem.impulse };
 	};
-	const double condition = conditionOf(problem, swept.shape);
 	Best         best      = iterate(report.errorEstimate);
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
 	while (!best.meets(settings) && left() > 0) {
@@ -139,18 +137,18 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 		updateVelocity(problem);
 		const double distance = distanceFrom(problem, reference, swept.shape),
 		             estimate = end.complete ? distance * (condition / softest) : unknownError;
-		Best now             = iterate(estimate);
+		Best next            = iterate(estimate);
 		// a smaller residual than that of the sweeps, and so hardly a larger error
-		if (now.residual <= swept.residual)
-			now.errorEstimate = std::min(now.errorEstimate, swept.errorEstimate);
-		best.offer(now, settings);
+		if (next.residual <= swept.residual)
+			next.errorEstimate = std::min(next.errorEstimate, swept.errorEstimate);
+		best.offer(next, settings);
 		if (!end.complete && left() > 0) {
 			const int most    = std::min(repairSweeps + pivotSweeps * end.pivots, left());
 			Settings  again   = settings;
 			again.sameProblem = true;
 			remember();
 			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
-			if (mustYield()) return report.plusCostOf(swept);
+			if (settings.mayYield() && mustYield()) return report.plusCostOf(swept);
 		}
 	}
 	problem.impulse = best.impulse;

@@ -1,10 +1,9 @@
 #include "passes/solve_step.hpp"
 
-#include <chrono>
-
 #include "correction/position_correction.hpp"
 #include "correction/separation.hpp"
 #include "detection/large_displacements.hpp"
+#include "parallel/timed.hpp"
 #include "passes/adapt_biases.hpp"
 #include "solve/solve.hpp"
 #include "step/restitution.hpp"
@@ -34,20 +33,7 @@ namespace {
 		/// Runs `work` and reports its wall time.
 		template <class Work> auto timed(const char* stage, Work work) const
 		{
-			using Clock = std::chrono::steady_clock;
-			struct Timer {
-				const StepHost&         host;
-				const char*             stage;
-				const Clock::time_point start = Clock::now();
-				~Timer()
-				{
-					host.clock(
-					        stage,
-					        std::chrono::duration<double>(Clock::now() - start)
-					                .count());
-				}
-			} timer { host, stage };
-			return work();
+			return rcr::timed([&](double seconds) { host.clock(stage, seconds); }, work);
 		}
 	};
 

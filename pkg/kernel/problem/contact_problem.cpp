@@ -25,15 +25,18 @@ static const char* bodyError(const InverseMass& m, const PlanarVector& v)
 }
 
 /// Error of a contact point; null: none.
-static const char* pointError(const ContactPoint& c, const LocalVector& p, std::size_t bodies)
+static const char* pointError(const ContactProblem& problem, std::size_t k)
 {
+	const ContactPoint& c      = problem.points[k];
+	const LocalVector&  p      = problem.impulse[k];
+	const std::size_t   bodies = problem.inverseMass.size();
 	// a negative id becomes huge
 	if (std::size_t(c.body1) >= bodies || std::size_t(c.body2) >= bodies)
 		return ": body id out of range";
 	if (c.body1 == c.body2) return ": both bodies are the same";
 	if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
 	            c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, c.pull, c.rollingFriction,
-	            c.rollingLength, p.n, p.t))
+	            c.rollingLength, p.n, p.t, problem.rollingImpulseOf(k)))
 		return ": a number is not finite";
 	if (!(std::abs(dot(c.normal, c.normal) - 1) <= normalTolerance))
 		return ": the normal is not of unit length";
@@ -46,6 +49,8 @@ static const char* pointError(const ContactPoint& c, const LocalVector& p, std::
 		return ": the coefficient of rolling friction is outside 0 … 1000";
 	if (c.rolls() && !(c.rollingLength > 0))
 		return ": a point with rolling friction needs a rolling length > 0";
+	if (c.rolls() && problem.rollingImpulse.empty())
+		return ": a point with rolling friction needs rollingImpulse";
 	return nullptr;
 }
 
@@ -85,10 +90,10 @@ void updateVelocity(ContactProblem& problem)
 	problem.velocity       = problem.freeVelocity;
 	const Vec2 stretchRate = addImpulses(problem, problem.impulse, problem.velocity);
 	for (std::size_t k = 0; k < problem.rollingImpulse.size(); ++k) {
-		const ContactPoint& c      = problem.points[k];
-		const double        moment = c.rollingLength * problem.rollingImpulse[k];
-		problem.velocity[c.body1].rotation -= problem.inverseMass[c.body1].rotation * moment;
-		problem.velocity[c.body2].rotation += problem.inverseMass[c.body2].rotation * moment;
+		const ContactPoint& c = problem.points[k];
+		applyRollingImpulse(c, problem.rollingImpulse[k], problem.inverseMass[c.body1],
+		        problem.inverseMass[c.body2], problem.velocity[c.body1],
+		        problem.velocity[c.body2]);
 	}
 	if (problem.stretches()) problem.setStretchRate(stretchRate);
 }
@@ -132,12 +137,8 @@ void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 	const std::size_t bodies = problem.inverseMass.size();
 	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
 	checkSize("impulse", problem.impulse.size(), problem.points.size());
-	const bool rolls = std::any_of(problem.points.begin(), problem.points.end(),
-	        [](const ContactPoint& c) { return c.rolls(); });
-	if (rolls || !problem.rollingImpulse.empty())
+	if (!problem.rollingImpulse.empty())
 		checkSize("rollingImpulse", problem.rollingImpulse.size(), problem.points.size());
-	for (double p : problem.rollingImpulse)
-		if (!finite(p)) refuse("rollingImpulse: a number is not finite");
 	if (!problem.yielded.empty()) checkSize("yielded", problem.yielded.size(), bodies);
 	if (!problem.place.empty()) checkSize("place", problem.place.size(), bodies);
 	if (!problem.recoveryBias.empty())
@@ -153,7 +154,7 @@ void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 		if (!finite(place.x, place.y)) refuse("body ", i, ": its place is not finite");
 	}
 	team.forEach(problem.points.size(), [&](std::size_t k) {
-		if (const char* error = pointError(problem.points[k], problem.impulse[k], bodies))
+		if (const char* error = pointError(problem, k))
 			refuse("contact point ", k, error);
 	});
 }

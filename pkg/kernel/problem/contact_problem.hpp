@@ -205,11 +205,16 @@ inline LocalVector freeRelativeVelocity(const ContactProblem& problem, const Con
 	        problem.freeVelocity[c.body2]);
 }
 
+/// u_r at a point for given velocities of its bodies [m/s].
+inline double rollingVelocity(
+        const ContactPoint& c, const PlanarVector& v1, const PlanarVector& v2)
+{
+	return c.rollingLength * (v2.rotation - v1.rotation);
+}
 /// u_r at a point for the velocities of the problem [m/s].
 inline double rollingVelocity(const ContactProblem& problem, const ContactPoint& c)
 {
-	return c.rollingLength
-	        * (problem.velocity[c.body2].rotation - problem.velocity[c.body1].rotation);
+	return rollingVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 }
 
 /// Components along x and y of an impulse (n, t) at a point with this normal.
@@ -228,7 +233,17 @@ inline void applyImpulse(const ContactPoint& c, const LocalVector& p, const Inve
 	v2.rotation += m2.rotation * cross(c.arm2, f);
 }
 
-/// Adds M⁻¹ Jᵀ p of all points and δg ∘ r to the velocities; without rolling resistance. Returns δg.
+/// Adds the rolling impulse p_r of one point to the velocities of its two bodies.
+inline void applyRollingImpulse(const ContactPoint& c, double p, const InverseMass& m1,
+        const InverseMass& m2, PlanarVector& v1, PlanarVector& v2)
+{
+	const double moment = c.rollingLength * p;
+	v1.rotation -= m1.rotation * moment;
+	v2.rotation += m2.rotation * moment;
+}
+
+/// Adds M⁻¹ Jᵀ p of all points and δg ∘ r to the velocities, without rolling resistance. Returns
+/// δg.
 Vec2 addImpulses(const ContactProblem&, const std::vector<LocalVector>&,
         std::vector<PlanarVector>& velocity);
 

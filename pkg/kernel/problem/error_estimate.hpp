@@ -102,7 +102,7 @@ double conditionOf(const ContactProblem&, const IslandShape&);
 
 /// Distance of the impulses of the problem from `before`, in forces and velocities [-]: the larger
 /// of ‖Δp‖_w/‖p‖_w and ‖Δv‖_M/‖v − v_free‖_M.
-double
-distanceFrom(const ContactProblem&, const std::vector<LocalVector>& before, const IslandShape&);
+double distanceFrom(
+        const ContactProblem&, const std::vector<LocalVector>& before, const IslandShape&);
 
 } // namespace rcr

@@ -3,7 +3,8 @@
 //   ‖d‖ / ‖p‖,   d = p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn),   K = { |p_t| ≤ µ p_n }
 //
 // The denominator has a lower bound (residualFromSums). The residual is 0 if and only if the laws
-// hold exactly. Rolling resistance adds its error to the sums. It is not the error of the solution: error_estimate.hpp.
+// hold exactly. Rolling resistance adds its error to the sums. The residual is not the error of the
+// solution: error_estimate.hpp.
 // Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 #pragma once
 

@@ -1,4 +1,6 @@
-// Methods that solve the contact problem: settings in, report out. solve/solve.hpp chooses among them.
+// Methods that solve the contact problem: settings in, report out.
+//
+// solve/solve.hpp chooses among them.
 //
 // A solver starts from problem.impulse: the warm start, or zeros for a cold start. It writes the
 // solution to problem.impulse and the velocities to problem.velocity. The report holds the errors

@@ -110,7 +110,6 @@ static bool mustYield(const Report& report, const ContactProblem& problem, const
 	        && probeDivergence(problem, settings, workspace);
 }
 
-/// Exact steps know no rolling resistance.
 static bool rolls(const ContactProblem& problem)
 {
 	return std::any_of(problem.points.begin(), problem.points.end(),
@@ -140,9 +139,9 @@ static Report sweepTogether(ContactProblem& problem, const std::string& solver,
 }
 
 static bool takesExactSteps(
-        const std::string& solver, const Settings& settings, const ContactProblem& problem)
+        const std::string& solver, const Settings& settings, const IslandShape& shape)
 {
-	if (rolls(problem)) return false;
+	if (shape.rolls) return false;
 	return solver == "exact" || (solver == "auto" && settings.tolerance > 0);
 }
 
@@ -158,7 +157,7 @@ static Settings remaining(const Settings& settings, const Report& swept)
 static Report solveRigid(ContactProblem& problem, const std::string& solver,
         const Settings& settings, Report swept, Workspace& workspace)
 {
-	if (swept.converged || !takesExactSteps(solver, settings, problem)) return swept;
+	if (swept.converged || !takesExactSteps(solver, settings, swept.shape)) return swept;
 	if (std::isnan(swept.residual) && swept.iterations < settings.maxIterations) {
 		problem.impulse.assign(problem.points.size(), {}); // their squares overflow
 		swept = sweepTogether(problem, solver, remaining(settings, swept), workspace)
@@ -249,7 +248,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 			return true;
 		if (island.converged) return false;
 		const bool isSmall = last - first <= smallProblem || island.shape.slim(); // few sweeps
-		return (takesExactSteps(solver, settings, problem)
+		return (takesExactSteps(solver, settings, island.shape)
 		               && (isSmall || island.iterations < settings.maxIterations))
 		        || (settings.mayYield() && mayDiverge(island, settings))
 		        || hasPositiveCost(problem, first, last);

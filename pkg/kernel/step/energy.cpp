@@ -2,12 +2,6 @@
 
 namespace rcr {
 
-/// ω₂ − ω₁ at the beginning of the step [1/s].
-static double turning(const Step& step, const ContactPoint& c)
-{
-	return step.bodies[c.body2].velocity.rotation - step.bodies[c.body1].velocity.rotation;
-}
-
 StepEnergy stepEnergy(const Step& step, const std::vector<PlanarVector>& impulses, Vec2 gravity)
 {
 	StepEnergy            energy;
@@ -24,7 +18,9 @@ StepEnergy stepEnergy(const Step& step, const std::vector<PlanarVector>& impulse
 		const bool          returns = c.bias < 0 && rubbed < 0;
 		(returns ? energy.impact : energy.friction) += rubbed;
 		energy.friction -= 0.5 * problem.rollingImpulseOf(k)
-		        * (rollingVelocity(problem, c) + c.rollingLength * turning(step, c));
+		        * (rollingVelocity(problem, c)
+		                + rollingVelocity(c, step.bodies[c.body1].velocity,
+		                        step.bodies[c.body2].velocity));
 		energy.impact -= 0.5 * problem.impulse[k].n * (before.n + after.n);
 		// work on the cell, also by the bodies that it moves
 		const Vec2 moved = step.cell.drift(problem.placeOf(c.body2) - problem.placeOf(c.body1));

@@ -39,4 +39,19 @@ inline Turn turnAfter(const Turn& turn, double rotation, double dt)
 	return normalized(rotation != 0 ? turned(turn, rotation * dt) : turn);
 }
 
+/// Displaces a body by a position correction; its velocity stays.
+inline void displace(StepBody& body, const PlanarVector& by)
+{
+	body.center = { body.center.x + by.x, body.center.y + by.y };
+	if (by.rotation != 0) body.turn = normalized(turned(body.turn, by.rotation));
+}
+
+/// Moves a body by its velocity for the time dt [s].
+inline void move(StepBody& body, double dt)
+{
+	const PlanarVector& v = body.velocity;
+	body.center           = { body.center.x + v.x * dt, body.center.y + v.y * dt };
+	body.turn             = turnAfter(body.turn, v.rotation, dt);
+}
+
 } // namespace rcr

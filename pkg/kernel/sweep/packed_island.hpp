@@ -36,7 +36,8 @@ public:
 	double sweepMomentum(double momentum, const Yielding& = {});
 
 	/// Makes sweeps and `measure` use floats. Does nothing if the island is small or has rolling
-	/// resistance, if the cell stretches, or if values or their squares come near the limits of floats.
+	/// resistance, if the cell stretches, or if values or their squares come near the limits of
+	/// floats.
 	void beginMixedPrecision();
 	/// Returns to doubles: copies the impulses and recomputes the velocities from them.
 	void endMixedPrecision();

@@ -34,7 +34,8 @@ namespace {
 void PackedIsland::beginMixedPrecision()
 {
 	const double speed = std::sqrt(freeVelocity2() / island_.shape.points);
-	if (!island_.shared || packed_.stretches_ || shape().rolls || speed == 0 || !fitsFloat(speed)) return;
+	if (!island_.shared || packed_.stretches_ || shape().rolls) return;
+	if (speed == 0 || !fitsFloat(speed)) return;
 	forEachRecords([&](const Range& records) {
 		for (float* const body : { singleView_.body, singleView_.oldBody }) {
 			std::fill(body + offsetOf(records.begin), body + offsetOf(records.end), 0.0f);

@@ -1,5 +1,6 @@
 #include "sweep/packed_problem.hpp"
 
+#include "parallel/timed.hpp"
 #include "problem/coulomb.hpp"
 #include "problem/list_by_key.hpp"
 #include "sweep/packed_island.hpp"
@@ -34,12 +35,10 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 {
 	kernels_         = &packedKernels(lanes);
 	singleKernels_   = &singleKernels(lanes);
-	const auto start = std::chrono::steady_clock::now();
-	const bool isNew = layout_.update(problem, reductions, team);
+	const bool isNew = timed([&](double seconds) { layoutSeconds_ += seconds; },
+	        [&] { return layout_.update(problem, reductions, team); });
 	stretches_       = problem.stretches();
 	cellLags_        = layout_.cellLags();
-	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-	                          .count();
 	if (isNew) {
 		const int layouts = summary_.layouts + 1;
 		summary_          = layout_.summary();

@@ -38,12 +38,10 @@ struct RollingVector {
 inline L clampTo(L value, L most) { return max(min(value, most), L(0.0) - most); }
 
 /// Unknowns: normal and tangential impulse, and that of rolling resistance. Not for floats.
-struct Rolling {
+struct Rolling : WithFriction {
 	using Columns = RollingColumns;
 	using Impulse = RollingVector;
 
-	static B       load(const P& at) { return loadBodies<RCR_LANES>(at); }
-	static void    store(const B& v, const P& at) { storeBodies<RCR_LANES>(v, at); }
 	static Impulse impulse(const Columns& c, int lane)
 	{
 		return { WithFriction::impulse(c, lane), L::load(c.pr() + lane) };
