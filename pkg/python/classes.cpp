@@ -4,9 +4,9 @@
 // destructor.
 #include "dem/contacts/CdPhys.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
-#include "dem/engine/CellStress.hpp"
 #include "dem/engine/ContactDynamics.hpp"
-#include "dem/engine/WallStress.hpp"
+#include "dem/loads/CellStress.hpp"
+#include "dem/loads/WallStress.hpp"
 
 namespace yade {
 

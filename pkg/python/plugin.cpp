@@ -3,9 +3,9 @@
 // YADE loads plugins at its start and registers every name in ClassFactory::pluginClasses. A second
 // call would register all classes of YADE again. The list therefore holds only unregistered names
 // while Omega::loadPlugins runs.
-#include "dem/records/Published.hpp"
+#include "dem/engine/ContactDynamics.hpp"
+#include "dem/errors/deferredError.hpp"
 #include "dem/records/StepEnd.hpp"
-#include "dem/validation/deferredError.hpp"
 #include "dem/validation/SceneQuery.hpp"
 
 namespace py = boost::python;

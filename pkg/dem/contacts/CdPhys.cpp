@@ -1,7 +1,7 @@
 #include "dem/contacts/CdPhys.hpp"
 
-#include "dem/validation/deferredError.hpp"
-#include "dem/validation/validation.hpp"
+#include "dem/contacts/sceneRules.hpp"
+#include "dem/errors/deferredError.hpp"
 
 namespace yade {
 

@@ -1,7 +1,7 @@
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 
-#include "dem/validation/deferredError.hpp"
-#include "dem/validation/validation.hpp"
+#include "dem/errors/deferredError.hpp"
+#include "dem/errors/messages.hpp"
 
 namespace yade {
 
@@ -15,10 +15,10 @@ RcrFrictPhys::RcrFrictPhys(const FrictPhys& yadePhys) : RcrFrictPhys()
 void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_CundallStrack&)
 {
 	if (!(damping >= 0 && math::isfinite(damping)))
-		rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.damping = ", validation::text(damping),
+		rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.damping = ", errors::text(damping),
 		        "; expected a fraction of the critical damping, 0 (none) or more.");
 	if (!(adhesion >= 0 && math::isfinite(adhesion)))
-		rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.adhesion = ", validation::text(adhesion),
+		rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.adhesion = ", errors::text(adhesion),
 		        "; expected a pull of 0 N (none) or more.");
 }
 
@@ -33,7 +33,7 @@ static double inverseMass(Body::id_t id, Scene* scene)
 static std::string physError(const FrictPhys& phys)
 {
 	const auto number = [](const char* name, Real value) {
-		return std::string(name) + " = " + validation::text(value);
+		return std::string(name) + " = " + errors::text(value);
 	};
 	if (dynamic_cast<const CdPhys*>(&phys))
 		return "a CdPhys, made for ContactDynamics; use Ip2_FrictMat_FrictMat_FrictPhys, and "
@@ -46,7 +46,7 @@ static std::string physError(const FrictPhys& phys)
 		        + "; expected a stiffness ≥ 0: set FrictMat.poisson (ks/kn), or ks of "
 		          "Ip2_FrictMat_FrictMat_FrictPhys.";
 	if (!(phys.tangensOfFrictionAngle >= 0))
-		return "the friction coefficient " + validation::text(phys.tangensOfFrictionAngle)
+		return "the friction coefficient " + errors::text(phys.tangensOfFrictionAngle)
 		        + "; expected a friction angle from 0 to below π/2.";
 	return {};
 }
@@ -72,7 +72,7 @@ static bool prepare(shared_ptr<IPhys>& phys, const Interaction& interaction)
 		phys = boost::make_shared<RcrFrictPhys>(yadePhys);
 	else
 		deferError("Law2_RcrGeom_FrictPhys_CundallStrack: the contact of "
-		        + validation::bodyNames({ interaction.getId1(), interaction.getId2() })
+		        + errors::bodyNames({ interaction.getId1(), interaction.getId2() })
 		        + " has " + message);
 	return message.empty();
 }

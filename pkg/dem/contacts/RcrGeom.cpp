@@ -1,8 +1,8 @@
 #include "dem/contacts/RcrGeom.hpp"
 
-#include "dem/validation/validation.hpp"
+#include "dem/contacts/prefetch.hpp"
+#include "dem/contacts/sceneRules.hpp"
 #include "dem/shapes/planeConversion.hpp"
-#include "dem/transfer/prefetch.hpp"
 
 namespace yade {
 

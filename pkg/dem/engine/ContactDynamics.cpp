@@ -1,12 +1,12 @@
 // The stages of a step; ContactDynamics.hpp lists them, pkg/README.md explains their terms.
 #include "dem/engine/ContactDynamics.hpp"
 
-#include "dem/engine/CellStress.hpp"
+#include "dem/loads/CellStress.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/ArraySteps.hpp"
 #include "dem/transfer/newContacts.hpp"
 #include "dem/transfer/scatter.hpp"
-#include "dem/validation/deferredError.hpp"
+#include "dem/errors/deferredError.hpp"
 #include "kernel/step/mean_stretch.hpp"
 
 namespace yade {
@@ -17,7 +17,7 @@ void ContactDynamics::action()
 {
 	try {
 		const std::string invalid = attributeError();
-		if (!invalid.empty()) validation::refuse(invalid);
+		if (!invalid.empty()) errors::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
 		if (scene->isPeriodic) suppressHomoDeform(*scene, overdamped);
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();

@@ -23,17 +23,18 @@
 #include "dem/records/StepCost.hpp"
 #include "dem/records/StepMonitor.hpp"
 #include "dem/records/StepObserver.hpp"
+#include "dem/validation/validation.hpp"
 #include "kernel/passes/solve_step.hpp"
 
 namespace yade {
 
 class ArraySteps;
 
-class ContactDynamics : public GlobalEngine {
+class ContactDynamics : public GlobalEngine, public RigidSolver {
 public:
 	void action() override;
 
-	std::string attributeError() const; // message about the first invalid attribute; empty: none
+	std::string attributeError() const override;
 	// Python interface. Locks guard what a script may access during a run.
 	boost::python::dict        problemDict() const;
 	std::string                changeSinceStep() const;

@@ -36,22 +36,6 @@ py::dict ContactDynamics::stepCounts() const
 	return counts;
 }
 
-void checkFinite(const rcr::Step& step, long iteration)
-{
-	const auto& velocity = step.problem.velocity;
-	const auto  invalid  = std::find_if(velocity.begin(), velocity.end(),
-            [](const rcr::PlanarVector& v) { return !rcr::finite(v.x, v.y, v.rotation); });
-	if (invalid == velocity.end()) return;
-	const gilLock     lock;
-	const std::string saved = py::extract<std::string>(
-	        py::import("rcr._yade.last_problem").attr("save_not_finite")());
-	throw std::runtime_error("ContactDynamics: step " + std::to_string(iteration) + " would give "
-	        + validation::bodyNames({ int(invalid - velocity.begin()) }) + " the velocity ("
-	        + validation::text(invalid->x) + ", " + validation::text(invalid->y)
-	        + ") and the angular velocity " + validation::text(invalid->rotation)
-	        + ". Nothing has moved. " + saved);
-}
-
 static const std::vector<std::string> tuningNames { "lanes", "arrays", "meanForceChange" };
 
 /// A read-only mapping, since a change of one entry would have no effect.

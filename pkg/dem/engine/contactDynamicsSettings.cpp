@@ -14,7 +14,7 @@ std::string ContactDynamics::attributeError() const
 	const auto message = [](const char* name, const std::string& given, const char* expected) {
 		return std::string("ContactDynamics.") + name + " = " + given + "; expected " + expected;
 	};
-	using validation::text;
+	using errors::text;
 	if (!(correction >= 0 && correction <= 1))
 		return message("correction", text(correction), "a fraction of the overlap, 0 to 1.");
 	if (!(accuracy > 0))

@@ -32,7 +32,7 @@ std::string changeSince(
         const Scene& scene, double dt, const std::vector<rcr::PlanarVector>& velocity)
 {
 	if (double(scene.dt) != dt)
-		return "O.dt is " + validation::text(scene.dt) + ", but was " + validation::text(Real(dt));
+		return "O.dt is " + errors::text(scene.dt) + ", but was " + errors::text(Real(dt));
 	const Real   z    = validation::planeOf(scene);
 	const double most = largestPath * smallestRadius(scene, z);
 	for (const auto& b : *scene.bodies) {
@@ -40,7 +40,7 @@ std::string changeSince(
 		if (!b || b->isClumpMember() || std::size_t(b->getId()) >= velocity.size()) continue;
 		const rcr::PlanarVector change = plane::velocityOf(*b->state) - velocity[b->getId()];
 		if (dt * rcr::maxSpeed(change, radiusOf(*b, scene, z)) > most)
-			return "the velocity of " + validation::bodyNames({ b->getId() })
+			return "the velocity of " + errors::bodyNames({ b->getId() })
 			        + " differs from that";
 	}
 	return {};
@@ -96,7 +96,7 @@ std::string StepEnd::change(const Scene& scene) const
 		if (math::isnan(moved)) continue;
 		const double angle = double(b->state->ori.angularDistance(turn));
 		if (moved > most || angle * radiusOf(*b, scene, z) > most)
-			return "the place of " + validation::bodyNames({ b->getId() }) + " differs from that";
+			return "the place of " + errors::bodyNames({ b->getId() }) + " differs from that";
 	}
 	return {};
 }

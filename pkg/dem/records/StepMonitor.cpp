@@ -1,6 +1,6 @@
 #include "dem/records/StepMonitor.hpp"
 
-#include "dem/validation/validation.hpp"
+#include "dem/errors/messages.hpp"
 #include "kernel/parallel/thread_team.hpp"
 #include "kernel/problem/coulomb.hpp"
 #include "kernel/step/energy.hpp"
@@ -25,7 +25,7 @@ static std::string deepestPair(const rcr::Step& step, double overlap)
 	while (overlapOf(step, k) != overlap)
 		++k;
 	const rcr::ContactPoint& c = step.problem.points[k];
-	return validation::bodyNames({ c.body1, c.body2 });
+	return errors::bodyNames({ c.body1, c.body2 });
 }
 
 /// Names of the driven bodies and cell; empty: none.
@@ -34,7 +34,7 @@ static std::string drivenParts(const rcr::Step& step)
 	std::vector<Body::id_t> driven;
 	for (int id = 0; id < int(step.bodies.size()); ++id)
 		if (step.problem.driven(id)) driven.push_back(id);
-	std::string parts = validation::bodyNames(driven);
+	std::string parts = errors::bodyNames(driven);
 	if (step.cell.driven(step.problem.inverseStretchMass))
 		parts += std::string(parts.empty() ? "" : " and ") + "the velocity gradient of the cell";
 	return parts;
@@ -86,7 +86,7 @@ static void checkWalls(const rcr::Step& step, long iteration)
 		const double side = before != 0 ? before : face ? sense : 0;
 		if (!(side * after < 0)) continue;
 		throw std::runtime_error("ContactDynamics: step " + std::to_string(iteration)
-		        + " would move " + validation::bodyNames({ walls.body1, walls.body2 })
+		        + " would move " + errors::bodyNames({ walls.body1, walls.body2 })
 		        + ", two walls, through each other. Walls have no contacts with each other. Nothing "
 		          "has moved. Stop the mobile wall first (b.state.blockedDOFs = 'xyzXYZ', vel = 0), "
 		          "or give walls that may cross a Body.mask without a common bit.");
@@ -106,7 +106,7 @@ std::string StepMonitor::count(
 	const std::string driven  = none ? "" : drivenParts(step);
 	if (!driven.empty()) {
 		const std::string overlaps = deepestPair(step, overlap) + " overlap by "
-		        + validation::text(overlap, 2) + " of R₁ + R₂";
+		        + errors::text(overlap, 2) + " of R₁ + R₂";
 		throw std::runtime_error(
 		        "ContactDynamics: " + squeezeMessage(verdict, outcome, overlaps, driven));
 	}
@@ -118,8 +118,24 @@ std::string StepMonitor::count(
 		warning += " Deepest in this step: " + deepestPair(step, overlap) + ".";
 	if (intrudes)
 		warning += " On their paths in this step: "
-		        + validation::bodyNames({ step.intruding.body1, step.intruding.body2 }) + ".";
+		        + errors::bodyNames({ step.intruding.body1, step.intruding.body2 }) + ".";
 	return warning;
+}
+
+void checkFinite(const rcr::Step& step, long iteration)
+{
+	const auto& velocity = step.problem.velocity;
+	const auto  invalid  = std::find_if(velocity.begin(), velocity.end(),
+            [](const rcr::PlanarVector& v) { return !rcr::finite(v.x, v.y, v.rotation); });
+	if (invalid == velocity.end()) return;
+	const gilLock     lock;
+	const std::string saved = boost::python::extract<std::string>(
+	        boost::python::import("rcr._yade.last_problem").attr("save_not_finite")());
+	throw std::runtime_error("ContactDynamics: step " + std::to_string(iteration) + " would give "
+	        + errors::bodyNames({ int(invalid - velocity.begin()) }) + " the velocity ("
+	        + errors::text(invalid->x) + ", " + errors::text(invalid->y)
+	        + ") and the angular velocity " + errors::text(invalid->rotation)
+	        + ". Nothing has moved. " + saved);
 }
 
 void checkEnergy(const rcr::Step& step, long iteration)
@@ -145,7 +161,7 @@ void checkEnergy(const rcr::Step& step, long iteration)
 	throw std::runtime_error("ContactDynamics: step " + std::to_string(iteration)
 	        + " has not converged, and its contacts would add more kinetic energy than the "
 	          "bodies had. Body #"
-	        + std::to_string(fastest) + " moves " + validation::text(farthest, 2)
+	        + std::to_string(fastest) + " moves " + errors::text(farthest, 2)
 	        + " of its radii in this step. Nothing has moved. Take a smaller O.dt.");
 }
 
@@ -158,7 +174,7 @@ void checkCellStress(const rcr::Step& step, long iteration)
 		const double gap = step.gap[k].atStart + step.dt * relativeVelocity(step.problem, c).n;
 		if (gap < step.gap[k].threshold)
 			throw std::runtime_error("ContactDynamics: CellStress presses "
-			        + validation::bodyNames({ c.body1, c.body2 })
+			        + errors::bodyNames({ c.body1, c.body2 })
 			        + " against each other, and both have prescribed motion along the normal of "
 			          "their contact. Nothing has moved. Let one of them move freely.");
 	}
@@ -169,10 +185,10 @@ void checkCellStress(const rcr::Step& step, long iteration)
 		        = inverse[axis] > 0 ? std::abs(step.cell.gradient[axis][axis]) * step.dt : 0;
 		if (strain > largestStretch)
 			throw std::runtime_error("ContactDynamics: CellStress would stretch the cell by "
-			        + validation::text(100 * strain) + " % along " + "xy"[axis] + " in step "
+			        + errors::text(100 * strain) + " % along " + "xy"[axis] + " in step "
 			        + std::to_string(iteration)
 			        + ", so contacts would stay undetected; expected at most "
-			        + validation::text(100 * largestStretch)
+			        + errors::text(100 * largestStretch)
 			        + " %. Nothing has moved. Set a smaller O.dt or a larger CellStress.mass, or "
 			          "compress a loose cell by O.cell.velGrad first.");
 	}

@@ -44,7 +44,7 @@ public:
 };
 
 /// If a solved velocity is not finite, saves the problem to a file and throws std::runtime_error.
-/// Calls Python, so it takes the GIL (engine/contactDynamicsResults.cpp).
+/// Calls Python, so it takes the GIL.
 void checkFinite(const rcr::Step&, long iteration);
 
 /// Call it for unconverged steps with large displacements. Throws std::runtime_error if contacts have added

@@ -12,13 +12,13 @@ static void checkIds(
 	for (int id : ids) {
 		const std::string given = "ContactDynamics.observe holds " + std::to_string(id);
 		if (id < 0 || std::size_t(id) >= step.bodies.size())
-			validation::refuse(given + "; expected ids of bodies, of which the scene has "
+			errors::refuse(given + "; expected ids of bodies, of which the scene has "
 			        + std::to_string(step.bodies.size()) + ".");
 		if (!handles.state[id])
-			validation::refuse(given + ", a body that was erased; remove the id.");
+			errors::refuse(given + ", a body that was erased; remove the id.");
 		const int owner = step.bodies[id].owner;
 		if (owner != id)
-			validation::refuse(given + ", a member of clump " + std::to_string(owner)
+			errors::refuse(given + ", a member of clump " + std::to_string(owner)
 			        + "; its contacts act on the clump, so give that id.");
 	}
 }

@@ -1,6 +1,6 @@
 #include "dem/shapes/Rcr.hpp"
 
-#include "dem/validation/validation.hpp"
+#include "dem/errors/messages.hpp"
 #include "dem/shapes/planeConversion.hpp"
 
 namespace yade {
@@ -8,7 +8,7 @@ namespace yade {
 void Rcr::postLoad(Rcr&)
 {
 	const auto reject = [](const char* name, Real given, const char* expected) {
-		rcr::refuse("Rcr.", name, " = ", validation::text(given), "; expected ", expected,
+		rcr::refuse("Rcr.", name, " = ", errors::text(given), "; expected ", expected,
 		        ". rcr.particle(center, R, eta) computes both from the circumscribed radius and "
 		        "the elongation.");
 	};

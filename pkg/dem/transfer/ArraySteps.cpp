@@ -2,11 +2,10 @@
 
 #include <set>
 
-#include "dem/engine/ContactDynamics.hpp"
-#include "dem/engine/WallStress.hpp"
+#include "dem/contacts/prefetch.hpp"
+#include "dem/loads/WallStress.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/newContacts.hpp"
-#include "dem/transfer/prefetch.hpp"
 #include "dem/transfer/scatter.hpp"
 
 namespace yade {
@@ -48,7 +47,7 @@ static bool isCoreEngine(const Engine& engine)
 {
 	return dynamic_cast<const ForceResetter*>(&engine) || dynamic_cast<const Collider*>(&engine)
 	        || dynamic_cast<const InteractionLoop*>(&engine)
-	        || dynamic_cast<const ContactDynamics*>(&engine)
+	        || dynamic_cast<const RigidSolver*>(&engine)
 	        || dynamic_cast<const NewtonIntegrator*>(&engine);
 }
 
@@ -115,7 +114,7 @@ std::string ArraySteps::sceneReason(
 		// checked in each step
 		if (engine->dead || dynamic_cast<const PeriodicEngine*>(engine.get())) continue;
 		looped |= engine.get() == engines.loop;
-		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
+		solved |= bool(dynamic_cast<const RigidSolver*>(engine.get()));
 		if (isCoreEngine(*engine)) continue;
 		if (solved || !addLoadedBodies(*engine, synced_))
 			return "the engine " + engine->getClassName();
@@ -173,7 +172,7 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 	bool solved = false;
 	for (const auto& engine : scene.engines) {
 		if (engine->dead) continue;
-		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
+		solved |= bool(dynamic_cast<const RigidSolver*>(engine.get()));
 		const auto* periodic = dynamic_cast<const PeriodicEngine*>(engine.get());
 		if (periodic && isDue(*periodic, solved ? scene.iter : iter, solved ? scene.time : time))
 			return "the engine " + engine->getClassName();
@@ -310,7 +309,7 @@ void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engi
 	for (rcr::Pair& pair : pairs_.all) {
 		if (!pair.isNew) continue;
 		const std::string error = validation::materialError(scene, pair.body1, pair.body2);
-		if (!error.empty()) validation::refuse(error);
+		if (!error.empty()) errors::refuse(error);
 		if (!host.allows(pair.body1, pair.body2)) {
 			pair.pointCount = 0;
 			continue;

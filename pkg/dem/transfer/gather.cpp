@@ -1,8 +1,8 @@
 #include "dem/transfer/gather.hpp"
 
-#include "dem/engine/CellStress.hpp"
+#include "dem/contacts/prefetch.hpp"
+#include "dem/loads/CellStress.hpp"
 #include "dem/shapes/planeConversion.hpp"
-#include "dem/transfer/prefetch.hpp"
 #include "kernel/problem/list_by_key.hpp"
 
 namespace yade {
@@ -100,7 +100,7 @@ namespace {
 			const State& s = *b.state;
 			if (b.shape) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
 			const std::string error = validation::bodyError(b, body.shape, handles_.z);
-			if (!error.empty()) validation::refuse(error);
+			if (!error.empty()) errors::refuse(error);
 			body.center        = plane::toPlane(s.pos);
 			body.turn          = plane::turnOf(body.shape, s);
 			body.velocity      = plane::velocityOf(s);
@@ -180,9 +180,9 @@ namespace {
 				static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(
 				        b.state.get(), &scene_, force, torque);
 			if (!math::isfinite(force.sum() + torque[2]))
-				validation::refuse(validation::bodyNames({ b.getId() }), " has the force ",
-				        validation::coordinates(force), " and the torque ",
-				        validation::coordinates(torque),
+				errors::refuse(errors::bodyNames({ b.getId() }), " has the force ",
+				        errors::coordinates(force), " and the torque ",
+				        errors::coordinates(torque),
 				        "; expected finite numbers: find the engine, or the O.forces of a script, "
 				        "that gave them.");
 			return { double(force[0]), double(force[1]), double(torque[2]) };
@@ -202,7 +202,7 @@ namespace {
 			        ? static_cast<RcrGeom*>(i.geom.get())
 			        : nullptr;
 			if (!phys || !geom)
-				validation::refuse("the contact of ", validation::bodyNames({ id1, id2 }),
+				errors::refuse("the contact of ", errors::bodyNames({ id1, id2 }),
 				        " has the geometry ", i.geom->getClassName(), " and the physics ",
 				        i.phys->getClassName(),
 				        "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and "

@@ -3,7 +3,7 @@
 
 #include "kernel/parallel/thread_team.hpp"
 #include "kernel/step/step.hpp"
-#include "dem/transfer/PairExclusions.hpp"
+#include "dem/validation/PairExclusions.hpp"
 #include "dem/validation/validation.hpp"
 #include "dem/contacts/RcrGeom.hpp"
 

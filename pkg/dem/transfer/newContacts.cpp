@@ -13,7 +13,7 @@ static rcr::ContactLaw newContactLaw(
 	loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
 	const CdPhys* phys = dynamic_cast<const CdPhys*>(scratch->phys.get());
 	if (!phys)
-		validation::refuse("the contact of ", validation::bodyNames({ id1, id2 }),
+		errors::refuse("the contact of ", errors::bodyNames({ id1, id2 }),
 		        " gets the physics ",
 		        scratch->phys ? scratch->phys->getClassName() : std::string("None"),
 		        " from the Ip2 functor of the materials ", one->getClassName(), " and ",
@@ -51,7 +51,7 @@ void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const
 	        = handles.pairExclusions.restartIfChanged(scene, *engines.collider);
 	const std::string error = changed.empty() && !handles.pairExclusions.hasReplaced()
 	        ? std::string() : validation::sceneError(scene);
-	if (!error.empty()) validation::refuse(error);
+	if (!error.empty()) errors::refuse(error);
 	for (Body::id_t id : changed)
 		handles.mayLackContacts[id] = true;
 	// engines and scripts after the InteractionLoop may have set velocities

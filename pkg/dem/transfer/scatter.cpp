@@ -1,9 +1,9 @@
 // Writes the results of steps to YADE's objects.
 #include "dem/transfer/scatter.hpp"
 
+#include "dem/contacts/prefetch.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/ArraySteps.hpp"
-#include "dem/transfer/prefetch.hpp"
 
 namespace yade {
 

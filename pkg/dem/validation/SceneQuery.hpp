@@ -1,8 +1,8 @@
 // What the rules of validation ask of a scene: engines by kind and order, law, bodies by shape.
 #pragma once
 
-#include "dem/engine/ContactDynamics.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
+#include "dem/validation/validation.hpp"
 
 namespace yade::validation {
 
@@ -32,7 +32,7 @@ struct SceneQuery {
 	explicit SceneQuery(const Scene& s) : scene(s), engines(s.engines)
 	{
 		loop = first<InteractionLoop>();
-		const bool solver = indexOf<ContactDynamics>() >= 0;
+		const bool solver = indexOf<RigidSolver>() >= 0;
 		const bool laws   = loop
 		        && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
 		const bool phys = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);

@@ -40,20 +40,6 @@ static std::string inertiaError(const Body& b)
 	return {};
 }
 
-std::string coordinates(const Vector3r& v)
-{
-	return '(' + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + ')';
-}
-
-std::string bodyNames(const std::vector<Body::id_t>& ids)
-{
-	if (ids.empty()) return {};
-	std::string list = ids.size() == 1 ? "body" : "bodies";
-	for (std::size_t k = 0; k < ids.size(); ++k)
-		list += (k == 0 ? " #" : k + 1 < ids.size() ? ", #" : " and #") + std::to_string(ids[k]);
-	return list;
-}
-
 bool isGrain(const Body& b)
 {
 	if (!b.shape) return false;

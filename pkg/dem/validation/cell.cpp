@@ -1,5 +1,5 @@
 // Rules of validation on the periodic cell.
-#include "dem/engine/CellStress.hpp"
+#include "dem/loads/CellStress.hpp"
 #include "dem/validation/SceneQuery.hpp"
 
 namespace yade::validation {

@@ -1,6 +1,6 @@
 // Rules of validation on engines: order of loads, attributes, time step, bounds of the collider.
 #include "dem/validation/SceneQuery.hpp"
-#include "dem/engine/WallStress.hpp"
+#include "dem/loads/WallStress.hpp"
 
 namespace yade::validation {
 
@@ -37,7 +37,7 @@ static bool pushes(const Engine& engine)
 
 std::string loadAfterSolver(const SceneQuery& v)
 {
-	const int solver = v.indexOf<ContactDynamics>(), integrator = v.indexOf<NewtonIntegrator>();
+	const int solver = v.indexOf<RigidSolver>(), integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = solver + 1; solver >= 0 && k < integrator; ++k)
 		if (!v.engines[k]->dead && (pushes(*v.engines[k]) || moves(*v.engines[k])))
 			return "the " + v.engines[k]->getClassName()
@@ -75,7 +75,7 @@ std::vector<const Engine*> livePartsOf(const Engine& engine)
 /// moves bodies, which ContactDynamics must know, so it must stand after the integrator.
 std::string readsTooEarly(const SceneQuery& v)
 {
-	const int solver = v.indexOf<ContactDynamics>(), integrator = v.indexOf<NewtonIntegrator>();
+	const int solver = v.indexOf<RigidSolver>(), integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = 0; k < integrator; ++k) {
 		const std::string name  = v.engines[k]->getClassName();
 		const auto        error = [&](const char* before, const char* does) {
@@ -129,7 +129,7 @@ std::string attributeErrors(const SceneQuery& v)
 		std::string message;
 		if (const auto* stress = dynamic_cast<const WallStress*>(engine.get()))
 			message = stress->attributeError(v.scene);
-		if (const auto* solver = dynamic_cast<const ContactDynamics*>(engine.get()))
+		if (const auto* solver = dynamic_cast<const RigidSolver*>(engine.get()))
 			message = solver->attributeError();
 		if (!message.empty()) return message;
 	}

@@ -1,8 +1,9 @@
 #include "dem/validation/SceneQuery.hpp"
 
-#include "dem/engine/CellStress.hpp"
+#include "dem/errors/deferredError.hpp"
+#include "dem/loads/CellStress.hpp"
 #include "dem/shapes/planeConversion.hpp"
-#include "dem/validation/deferredError.hpp"
+#include "dem/validation/PairExclusions.hpp"
 
 namespace yade::validation {
 
@@ -37,7 +38,7 @@ namespace {
 	std::string mixedLaws(const SceneQuery& v)
 	{
 		if (v.law != mixed) return {};
-		const char* with = v.indexOf<ContactDynamics>() >= 0 ? "the engine ContactDynamics"
+		const char* with = v.indexOf<RigidSolver>() >= 0 ? "the engine ContactDynamics"
 		        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors)
 		        ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
 		        : "Ip2_FrictMat_FrictMat_CdPhys";
@@ -120,13 +121,13 @@ namespace {
 		{ rigid,   [](const SceneQuery& v) { return missingSolver(v.scene); } },
 		{ any,     [](const SceneQuery& v) { return twice<NewtonIntegrator>(v, "NewtonIntegrator"); } },
 		{ any,     [](const SceneQuery& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
-		{ any,     [](const SceneQuery& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
+		{ any,     [](const SceneQuery& v) { return twice<RigidSolver>(v, "ContactDynamics"); } },
 		{ any,     [](const SceneQuery& v) { return twice<Collider>(v, "the collider"); } },
 		{ any,     [](const SceneQuery& v) { return twice<CellStress>(v, "CellStress"); } },
 		{ any,     [](const SceneQuery& v) { return order<ForceResetter, InteractionLoop>(v, "the ForceResetter stands after the InteractionLoop, so it would take its forces away; put it first."); } },
 		{ any,     [](const SceneQuery& v) { return order<Collider, InteractionLoop>(v, "the collider stands after the InteractionLoop; put it before."); } },
-		{ rigid,   [](const SceneQuery& v) { return order<InteractionLoop, ContactDynamics>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
-		{ rigid,   [](const SceneQuery& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
+		{ rigid,   [](const SceneQuery& v) { return order<InteractionLoop, RigidSolver>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
+		{ rigid,   [](const SceneQuery& v) { return order<RigidSolver, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 		{ springs, [](const SceneQuery& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 		{ any,     cellStress },
 		{ rigid,   readsTooEarly },
@@ -135,7 +136,7 @@ namespace {
 		{ any,     loadWithoutEffect },
 		{ any,     timeStep },
 		{ any,     attributeErrors },
-		{ rigid,   [](const SceneQuery& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
+		{ rigid,   [](const SceneQuery& v) { return order<CellStress, RigidSolver>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
 		{ any,     finiteMotion },
 		{ any,     contactsWithoutBodies },
 		{ rigid,   integrator },
@@ -202,7 +203,7 @@ std::string sceneError(const Scene& scene)
 
 std::string missingSolver(const Scene& scene)
 {
-	return missing<ContactDynamics>(SceneQuery(scene), "ContactDynamics",
+	return missing<RigidSolver>(SceneQuery(scene), "ContactDynamics",
 	        "so rigid contacts would carry nothing; put ContactDynamics() between the "
 	        "InteractionLoop and the NewtonIntegrator.");
 }
@@ -221,7 +222,7 @@ std::string prepareRun(Scene& scene)
 		forgetFunctors(scene);
 	}
 	seen = now;
-	if (scene.isPeriodic && !view.first<ContactDynamics>()) suppressHomoDeform(scene, false);
+	if (scene.isPeriodic && !view.first<RigidSolver>()) suppressHomoDeform(scene, false);
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
 	for (const auto& b : *scene.bodies) // from texts of few digits; YADE does so after the step
 		if (b && math::abs(b->state->ori.norm() - 1) > 1e-9) b->state->ori.normalize();
@@ -247,7 +248,7 @@ void Validator::checkLastStep(const SceneQuery& v)
 	const bool cellMoves  = v.scene.isPeriodic && gradient_ != Matrix3r::Zero();
 	// an engine after the integrator may change the time step, unless YADE then moves the cell by it
 	if (cellMoves
-	        || (integrator > v.indexOf<ContactDynamics>() + 1
+	        || (integrator > v.indexOf<RigidSolver>() + 1
 	                && integrator == int(v.scene.engines.size()) - 1))
 		refuse("O.dt changed after ContactDynamics in the last step, so NewtonIntegrator applied "
 		       "wrong forces, or the cell moved by another step than its grains; change O.dt by an "
@@ -303,7 +304,7 @@ bool acceptContact(const Interaction& i, const Scene& scene)
 {
 	const SceneQuery view(scene);
 	const auto       reject = [&](const std::string& error) { // in a parallel loop
-		if (view.indexOf<ContactDynamics>() < 0) deferError(error);
+		if (view.indexOf<RigidSolver>() < 0) deferError(error);
 		else
 			leaveSceneError(scene, error);
 		return false;

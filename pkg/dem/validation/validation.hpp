@@ -11,32 +11,26 @@
 #include <functional>
 
 #include "kernel/geometry/planar_shape.hpp"
-#include "kernel/problem/refuse.hpp"
 #include "dem/contacts/CdPhys.hpp"
+#include "dem/contacts/sceneRules.hpp"
+#include "dem/errors/messages.hpp"
 
 namespace yade {
 class CellStress;
-class Collider;
-}
+
+/// Interface of ContactDynamics for folders that it includes.
+class RigidSolver {
+public:
+	virtual ~RigidSolver() = default;
+	/// Message about the first invalid attribute; empty: none.
+	virtual std::string attributeError() const = 0;
+};
+
+} // namespace yade
 
 namespace yade::validation {
 
-inline std::string text(Real value, int digits = 12)
-{
-	std::ostringstream out;
-	out.precision(digits);
-	out << value;
-	return out.str();
-}
-
-std::string coordinates(const Vector3r&);                  // "(x, y, z)"
-std::string bodyNames(const std::vector<Body::id_t>& ids); // "body #1", "bodies #1 and #2"
-
-/// Throws std::invalid_argument with all parts as one text.
-template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
-{
-	rcr::refuse("rcr: ", parts...);
-}
+using namespace errors;
 
 /// The engines of a scene that ContactDynamics needs.
 struct Engines {
@@ -52,9 +46,6 @@ std::string sceneError(const Scene&);
 /// Returns sceneError. Before a run of a valid scene, replaces Bo1 functors of Spheres and restarts
 /// the collider if a script has changed PairExclusions. ContactDynamics does so in its steps.
 std::string prepareRun(Scene&);
-
-/// Message if rigid contacts have no active ContactDynamics; else empty.
-std::string missingSolver(const Scene&);
 
 /// Area of the union of grains [m²].
 using UnionArea = std::function<double(const std::vector<Body::id_t>&)>;
@@ -115,10 +106,6 @@ bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
 
 /// Message about a body of a contact without a FrictMat; empty: both have one.
 std::string materialError(const Scene&, Body::id_t id1, Body::id_t id2);
-/// Returns true if the interaction may become a contact. Its bodies must have a FrictMat, YADE must
-/// allow the pair, and the scene must be valid. ContactDynamics throws the error of the scene later
-/// in this step. Errors of scenes without ContactDynamics are deferred to Python.
-bool acceptContact(const Interaction&, const Scene&);
 
 bool isGrain(const Body&);  // an Rcr or a disc
 bool isKinematic(const Engine&); // it prescribes velocities of its `ids`

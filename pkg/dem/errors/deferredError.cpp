@@ -1,4 +1,4 @@
-#include "dem/validation/deferredError.hpp"
+#include "dem/errors/deferredError.hpp"
 
 #include <chrono>
 #include <mutex>

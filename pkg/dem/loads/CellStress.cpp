@@ -1,7 +1,6 @@
-#include "dem/engine/CellStress.hpp"
+#include "dem/loads/CellStress.hpp"
 
-#include "dem/shapes/planeConversion.hpp"
-#include "dem/validation/validation.hpp"
+#include "dem/errors/messages.hpp"
 
 namespace yade {
 
@@ -39,15 +38,15 @@ static rcr::Vec2 lengths(const rcr::PeriodicCell& cell)
 void CellStress::action()
 {
 	if (!(mass > 0 && math::isfinite(mass)))
-		validation::refuse("CellStress.mass = ", validation::text(mass),
+		errors::refuse("CellStress.mass = ", errors::text(mass),
 		        "; expected a finite factor > 0 of the inertia of the grains.");
 	if (math::isinf(stress[0]) || math::isinf(stress[1]))
-		validation::refuse("CellStress.stress is infinite; expected a finite stress, or NaN for an "
+		errors::refuse("CellStress.stress is infinite; expected a finite stress, or NaN for an "
 		                   "axis whose motion is prescribed.");
 	for (int axis = 0; axis < 2; ++axis)
 		if (stress[axis] < 0)
-			validation::refuse("CellStress.stress = (", validation::text(stress[0]), ", ",
-			        validation::text(stress[1]),
+			errors::refuse("CellStress.stress = (", errors::text(stress[0]), ", ",
+			        errors::text(stress[1]),
 			        ") would pull the cell apart; expected compressions ≥ 0, or NaN for an axis "
 			        "whose motion is prescribed.");
 }
@@ -79,7 +78,7 @@ void CellStress::gatherCell(const NewtonIntegrator& integrator, rcr::Step& step)
 	load(1, size.y, problem.inverseStretchMass.y, cell.loadRate.y);
 	if (!problem.stretches()) return;
 	if (!step.overdamped && scene->cell->homoDeform < 2)
-		validation::refuse("CellStress moves the bodies with the cell, and O.cell.homoDeform = ",
+		errors::refuse("CellStress moves the bodies with the cell, and O.cell.homoDeform = ",
 		        scene->cell->homoDeform, "; expected 2, the default.");
 	problem.place.resize(step.bodies.size());
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {

@@ -1,6 +1,6 @@
-#include "dem/engine/WallStress.hpp"
+#include "dem/loads/WallStress.hpp"
 
-#include "dem/validation/validation.hpp"
+#include "dem/errors/messages.hpp"
 
 namespace yade {
 
@@ -31,7 +31,7 @@ std::string WallStress::attributeError(const Scene& in) const
 		return "WallStress.wall = " + std::to_string(wall) + " is held along " + "xyz"[pressed]
 		        + ", so that no stress moves it; take rcr.mobile_wall, or set WallStress.dead.";
 	if (math::isfinite(stress)) return {};
-	return "WallStress.stress = " + validation::text(stress)
+	return "WallStress.stress = " + errors::text(stress)
 	        + "; expected a finite stress [Pa]; a negative one pushes towards smaller coordinates.";
 }
 

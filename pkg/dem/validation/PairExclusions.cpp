@@ -1,4 +1,4 @@
-#include "dem/transfer/PairExclusions.hpp"
+#include "dem/validation/PairExclusions.hpp"
 
 namespace yade {
 
