@@ -1,6 +1,7 @@
 #include <GL/gl.h>
 
-#include "dem/shapes/Rcr.hpp"
+#include "dem/shapes/planeConversion.hpp"
+#include "dem/shapes/RoundedPolygon.hpp"
 
 namespace yade {
 
@@ -12,15 +13,24 @@ public:
 			"plate with sides and caps, in its :yref:`color<Shape.color>`.",
 		((bool,wire,false,,"Draws the outlines only."))
 		((bool,mark,true,,"Draws a line from the centre to one end, which shows rotations."))
-		((Real,depth,0.5,,"Thickness of the plate over the diameter of the caps [-]; 0: flat."))
-		((int,slices,12,,"Number of straight pieces of each cap."))
+		((Real,depth,0.5,,"Thickness of the plate over that of the grain, twice its inscribed radius [-]; 0: flat."))
+		((int,slices,12,,"Number of straight pieces of half a circle."))
 	);
 	// clang-format on
 	RENDERS(Rcr);
 };
 REGISTER_SERIALIZABLE(Gl1_Rcr);
 
-YADE_PLUGIN((Gl1_Rcr));
+class Gl1_RoundedPolygon : public Gl1_Rcr {
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC(Gl1_RoundedPolygon,Gl1_Rcr,"Draws a :yref:`RoundedPolygon` as :yref:`Gl1_Rcr` draws a grain, with the same attributes.");
+	// clang-format on
+	RENDERS(RoundedPolygon);
+};
+REGISTER_SERIALIZABLE(Gl1_RoundedPolygon);
+
+YADE_PLUGIN((Gl1_Rcr)(Gl1_RoundedPolygon));
 
 bool Gl1_Rcr::wire;
 bool Gl1_Rcr::mark;
@@ -34,18 +44,25 @@ namespace {
 		double nx, ny; // outward normal
 	};
 
-	/// Points of the outline, counter-clockwise from the lower end of the right cap.
-	std::vector<OutlinePoint> outline(const Rcr& shape, int slices)
+	/// Points of the outline, counter-clockwise. `slices`: straight pieces of half a circle.
+	std::vector<OutlinePoint> outline(const rcr::PlanarShape& shape, int slices)
 	{
-		std::vector<OutlinePoint> points;
-		const double              a = double(shape.halfLength), r = double(shape.capRadius),
-		             pi = std::acos(-1.0);
-		for (int cap = 0; cap < 2; ++cap)
-			for (int k = 0; k <= slices; ++k) {
-				const double angle = pi * (cap - 0.5 + double(k) / slices), c = std::cos(angle),
+		const std::vector<rcr::Vec2> core  = rcr::coreVertices(shape, {});
+		const int                    count = int(core.size());
+		std::vector<OutlinePoint>    points;
+		for (int k = 0; k < count; ++k) {
+			const rcr::Vec2 before = core[k] - core[(k + count - 1) % count],
+			                after  = core[(k + 1) % count] - core[k];
+			const double from = std::atan2(-before.x, before.y), // of the outward normal
+			        turn = count < 3 ? 2 * M_PI / count
+			                         : std::atan2(cross(before, after), dot(before, after));
+			const int pieces = std::max(1, int(std::ceil(slices * turn / M_PI)));
+			for (int piece = 0; piece <= pieces; ++piece) {
+				const double angle = from + turn * piece / pieces, c = std::cos(angle),
 				             s = std::sin(angle);
-				points.push_back({ (cap == 0 ? a : -a) + r * c, r * s, c, s });
+				points.push_back({ core[k].x + shape.rounding * c, core[k].y + shape.rounding * s, c, s });
 			}
+		}
 		return points;
 	}
 
@@ -88,10 +105,10 @@ namespace {
 void Gl1_Rcr::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wireOfView,
         const GLViewInfo&)
 {
-	const Rcr&                      grain  = static_cast<const Rcr&>(*shape);
+	const rcr::PlanarShape          grain  = plane::shapeOf(*shape, State(), 0);
 	const std::vector<OutlinePoint> points = outline(grain, std::max(slices, 1));
-	const Vector3r&                 color  = grain.color;
-	const double                    z      = double(depth * grain.capRadius);
+	const Vector3r&                 color  = shape->color;
+	const double                    z      = double(depth) * grain.inscribedRadius();
 	const bool                      lines  = wire || wireOfView;
 	glEnable(GL_NORMALIZE); // remains on, as for a Sphere; else the boxes of YADE are white
 	glPushAttrib(GL_ENABLE_BIT | GL_LINE_BIT | GL_CURRENT_BIT);
@@ -104,8 +121,7 @@ void Gl1_Rcr::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool 
 		const double shade = lines ? 1 : 0.3;
 		glColor3d(shade * double(color[0]), shade * double(color[1]), shade * double(color[2]));
 		glLineWidth(2);
-		drawMark(double(grain.halfLength + grain.capRadius),
-		        z + (lines ? 0 : 0.01 * double(grain.capRadius)));
+		drawMark(grain.radius(), z + (lines ? 0 : 0.01 * grain.inscribedRadius()));
 	}
 	glPopAttrib();
 }

@@ -12,11 +12,14 @@ namespace yade {
 
 // clang-format off
 #define RCR_CLASSES                                                                                \
-	(Rcr)(Bo1_Rcr_Aabb)(Bo1_Disc_Aabb)                                                             \
+	(Rcr)(Bo1_Rcr_Aabb)(Bo1_Disc_Aabb)(RoundedPolygon)(Bo1_RoundedPolygon_Aabb)                    \
 	(RcrGeom)(Ig2_Planar_RcrGeom)                                                                  \
 	(Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrGeom)(Ig2_Box_Rcr_RcrGeom)(Ig2_Facet_Rcr_RcrGeom)        \
 	(Ig2_Sphere_Rcr_RcrGeom)(Ig2_Sphere_Sphere_RcrGeom)                                            \
 	(Ig2_Wall_Sphere_RcrGeom)(Ig2_Box_Sphere_RcrGeom)(Ig2_Facet_Sphere_RcrGeom)                    \
+	(Ig2_RoundedPolygon_RoundedPolygon_RcrGeom)(Ig2_Rcr_RoundedPolygon_RcrGeom)                    \
+	(Ig2_Sphere_RoundedPolygon_RcrGeom)(Ig2_Wall_RoundedPolygon_RcrGeom)                           \
+	(Ig2_Box_RoundedPolygon_RcrGeom)(Ig2_Facet_RoundedPolygon_RcrGeom)                             \
 	(CdPhys)(Ip2_FrictMat_FrictMat_CdPhys)(Law2_RcrGeom_CdPhys_SignoriniCoulomb)                   \
 	(RcrFrictPhys)(Law2_RcrGeom_FrictPhys_CundallStrack)
 // clang-format on

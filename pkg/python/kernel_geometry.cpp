@@ -1,8 +1,8 @@
-// Bindings of stadium, shadow overlap and deposition.
+// Bindings of shapes, shadow overlap and deposition.
 #include <array>
 
 #include "geometry/deposition.hpp"
-#include "geometry/shadow_overlap.hpp"
+#include "geometry/planar_shape.hpp"
 #include "kernel_arrays.hpp"
 #include "problem/refuse.hpp"
 
@@ -45,12 +45,56 @@ namespace {
 		return poses;
 	}
 
+	PlanarShape stadiumShape(const Stadium& s)
+	{
+		PlanarShape shape;
+		shape.kind       = PlanarShape::stadium;
+		shape.halfLength = s.halfLength, shape.rounding = s.capRadius;
+		return shape;
+	}
+
+	PlanarShape boxShape(const Vec2& half)
+	{
+		PlanarShape shape;
+		shape.kind = PlanarShape::box;
+		setCore(shape, { half, { -half.x, half.y }, -half, { half.x, -half.y } });
+		return shape;
+	}
+
+	std::vector<Vec2> checkedCore(const Array& vertices, double rounding)
+	{
+		auto              core  = rowsFrom<Vec2>(vertices, "vertices", rowsOf(vertices));
+		const std::string error = polygonError(core, rounding);
+		if (!error.empty()) refuse(error);
+		return core;
+	}
+
+	PlanarShape polygonShape(const Array& vertices, double rounding)
+	{
+		PlanarShape shape;
+		shape.kind     = PlanarShape::polygon;
+		shape.rounding = rounding;
+		setCore(shape, checkedCore(vertices, rounding));
+		return shape;
+	}
+
+	/// Manifolds of two shapes at many poses.
+	py::dict overlapPolygons(const Array& vertices1, double radius1, const Array& pose1,
+	        const Array& vertices2, double radius2, const Array& pose2, double maxGap)
+	{
+		const PlanarShape one = polygonShape(vertices1, radius1), two = polygonShape(vertices2, radius2);
+		const py::ssize_t n = rowsOf(pose1);
+		const auto at1 = posesFrom(pose1, "pose1", n), at2 = posesFrom(pose2, "pose2", n);
+		return manifolds(
+		        n, [&](py::ssize_t i) { return contactPoints(one, at1[i], two, at2[i], maxGap); });
+	}
+
 	/// Binds the manifolds of bodies of shape One and stadia; `names`: of both shapes and poses.
 	template <class One>
 	void bindOverlap(py::module_& m, const char* function, const std::array<const char*, 4>& names,
-	        const char* text)
+	        PlanarShape (*shapeOf)(const One&), const char* text)
 	{
-		const auto overlap = [names](const Array& one, const Array& pose1, const Array& two,
+		const auto overlap = [names, shapeOf](const Array& one, const Array& pose1, const Array& two,
 		                             const Array& pose2, double maxGap) {
 			const py::ssize_t n      = rowsOf(two);
 			const auto        shape1 = rowsFrom<One>(one, names[0], n);
@@ -58,7 +102,8 @@ namespace {
 			const auto        shape2 = rowsFrom<Stadium>(two, names[2], n);
 			const auto        at2    = posesFrom(pose2, names[3], n);
 			return manifolds(n, [&](py::ssize_t i) {
-				return shadowOverlap(shape1[i], at1[i], shape2[i], at2[i], maxGap);
+				return contactPoints(
+				        shapeOf(shape1[i]), at1[i], stadiumShape(shape2[i]), at2[i], maxGap);
 			});
 		};
 		m.def(function, overlap, py::arg(names[0]), py::arg(names[1]), py::arg(names[2]),
@@ -109,10 +154,23 @@ void bindGeometry(py::module_& m)
 	        = "Manifolds of N pairs: dict of count (N,), type (N,) with 0 cc, 1 cs, 2 ss, 3\n"
 	          "obstacle, position and normal (N, 2, 2), gap (N, 2) [m]. Unused points are NaN. A\n"
 	          "stadium is (half length, cap radius), a pose (x, y, angle).";
-	bindOverlap<Stadium>(
-	        m, "overlap_stadiums", { "stadium1", "pose1", "stadium2", "pose2" }, manifold);
-	bindOverlap<Rectangle>(
-	        m, "overlap_box", { "half_extent", "box_pose", "stadium", "pose" }, manifold);
+	bindOverlap<Stadium>(m, "overlap_stadiums", { "stadium1", "pose1", "stadium2", "pose2" },
+	        stadiumShape, manifold);
+	bindOverlap<Vec2>(m, "overlap_box", { "half_extent", "box_pose", "stadium", "pose" }, boxShape,
+	        manifold);
+	m.def("overlap_polygons", overlapPolygons, "vertices1"_a, "radius1"_a, "pose1"_a, "vertices2"_a,
+	        "radius2"_a, "pose2"_a, "max_gap"_a,
+	        "Manifolds of two rounded polygons at N poses (N, 3), as overlap_stadiums returns them.\n"
+	        "Vertices (n, 2) are in the frames of the poses [m].");
+	m.def(
+	        "polygon_moments",
+	        [](const Array& vertices, double rounding) {
+		        const auto [area, c, moment] = momentsOf(checkedCore(vertices, rounding), rounding);
+		        return py::make_tuple(area, py::make_tuple(c.x, c.y), moment);
+	        },
+	        "vertices"_a, "radius"_a,
+	        "Area [m²], centroid [m] and ∫ |x − centroid|² dA [m⁴] of a rounded polygon. A\n"
+	        "ValueError says what is wrong with its vertices (n, 2) [m] or its rounding radius [m].");
 	m.def("overlap_wall", overlapWall, "origin"_a, "normal"_a, "stadium"_a, "pose"_a, "max_gap"_a,
 	        manifold);
 	m.def("deposit", depositArrays, "radii"_a, "width"_a,

@@ -37,7 +37,7 @@ namespace {
 					        "; expected radius > 0 and half_length ≥ 0 [m]");
 				PlanarShape shape;
 				shape.kind = half[k] > 0 ? PlanarShape::stadium : PlanarShape::disc;
-				shape.halfLength = half[k], shape.halfWidth = cap[k];
+				shape.halfLength = half[k], shape.rounding = cap[k];
 				add(shape, at[k], turned({}, turn[k]), motion[k], mass[k]);
 			}
 			for (const auto& [axis, place, sense] : walls) {

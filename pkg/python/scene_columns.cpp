@@ -70,21 +70,16 @@ void addObstacle(Rows& rows, const Body& body, double z)
 {
 	const State&           state = *body.state;
 	const rcr::PlanarShape shape = plane::shapeOf(*body.shape, state, z);
-	const rcr::Vec2        at    = plane::toPlane(state.pos), middle = at + shape.offset;
-	const double           a = shape.halfLength, b = shape.halfWidth;
+	const rcr::Vec2        at    = plane::toPlane(state.pos);
 	if (shape.kind == rcr::PlanarShape::wall)
 		rows.add({ body.id, 0, shape.axis }, { shape.axis ? at.y : at.x, 0, 0, 0, 0, 0, 0, 0 });
-	if (shape.kind == rcr::PlanarShape::box) {
-		const double    turn = angleOf(state);
-		const rcr::Vec2 x { a * std::cos(turn), a * std::sin(turn) },
-		        y { -b * std::sin(turn), b * std::cos(turn) };
-		const rcr::Vec2 p = at + x + y, q = at - x + y, r = at - x - y, s = at + x - y;
+	auto corners = rcr::coreVertices(shape, { at, plane::turnOf(shape, state).axis() });
+	corners.resize(4, corners.empty() ? at : corners.back()); // a box without thickness has two
+	const rcr::Vec2 &p = corners[0], &q = corners[1], &r = corners[2], &s = corners[3];
+	if (shape.kind == rcr::PlanarShape::box)
 		rows.add({ body.id, 1, 0 }, { p.x, p.y, q.x, q.y, r.x, r.y, s.x, s.y });
-	}
-	if (shape.kind == rcr::PlanarShape::segment) {
-		const rcr::Vec2 p = middle - a * shape.direction, q = middle + a * shape.direction;
+	if (shape.kind == rcr::PlanarShape::segment)
 		rows.add({ body.id, 2, 0 }, { p.x, p.y, q.x, q.y, 0, 0, 0, 0 });
-	}
 }
 
 struct Resultant {

@@ -58,7 +58,7 @@ constexpr double deepFraction   = 0.1;  // least overlap that counts, over a cap
 static double halfWidth(const Body& b)
 {
 	const rcr::PlanarShape shape = plane::shapeOf(*b.shape, *b.state, b.state->pos.z());
-	return shape.grain() ? shape.halfWidth : std::numeric_limits<double>::infinity();
+	return shape.grain() ? shape.inscribedRadius() : std::numeric_limits<double>::infinity();
 }
 
 /// Replaces the FrictPhys of a new contact by one with a force per point. Returns false if the

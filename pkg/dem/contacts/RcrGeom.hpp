@@ -2,7 +2,7 @@
 
 #include "kernel/step/carry_forward.hpp"
 #include "kernel/geometry/planar_shape.hpp"
-#include "dem/shapes/Rcr.hpp"
+#include "dem/shapes/RoundedPolygon.hpp"
 
 namespace yade {
 
@@ -68,7 +68,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC(Ig2_Planar_RcrGeom,IGeomFunctor,
 		"Contact points of two bodies in the plane by shadow overlap; base of the functors for each pair of shapes. "
-		"Body 1 is the obstacle, or the :yref:`Sphere` of a Sphere and an :yref:`Rcr`.");
+		"Body 1 is the obstacle; of two grains it is the :yref:`Sphere`, then the :yref:`Rcr`, then the :yref:`RoundedPolygon`.");
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(Ig2_Planar_RcrGeom);
@@ -92,6 +92,12 @@ RCR_IG2(Ig2_Sphere_Sphere_RcrGeom, Sphere, Sphere, "Contact point of two discs (
 RCR_IG2(Ig2_Wall_Sphere_RcrGeom, Wall, Sphere, "Contact point of a disc (:yref:`Sphere`) on a :yref:`Wall` normal to x or y.")
 RCR_IG2(Ig2_Box_Sphere_RcrGeom, Box, Sphere, "Contact point of a disc (:yref:`Sphere`) and a :yref:`Box`, a rectangle in the plane.")
 RCR_IG2(Ig2_Facet_Sphere_RcrGeom, Facet, Sphere, "Contact point of a disc (:yref:`Sphere`) and a :yref:`Facet`, a segment in the plane.")
+RCR_IG2(Ig2_RoundedPolygon_RoundedPolygon_RcrGeom, RoundedPolygon, RoundedPolygon, "Contact points of two :yref:`RoundedPolygons<RoundedPolygon>`: the closest one, and the end of the shadow on the flatter side.")
+RCR_IG2(Ig2_Rcr_RoundedPolygon_RcrGeom, Rcr, RoundedPolygon, "Contact points of an :yref:`Rcr` and a :yref:`RoundedPolygon`.")
+RCR_IG2(Ig2_Sphere_RoundedPolygon_RcrGeom, Sphere, RoundedPolygon, "Contact point of a disc (:yref:`Sphere`) and a :yref:`RoundedPolygon`.")
+RCR_IG2(Ig2_Wall_RoundedPolygon_RcrGeom, Wall, RoundedPolygon, "Contact points of a :yref:`RoundedPolygon` on a :yref:`Wall`.")
+RCR_IG2(Ig2_Box_RoundedPolygon_RcrGeom, Box, RoundedPolygon, "Contact points of a :yref:`RoundedPolygon` and a :yref:`Box`, a rectangle in the plane.")
+RCR_IG2(Ig2_Facet_RoundedPolygon_RcrGeom, Facet, RoundedPolygon, "Contact points of a :yref:`RoundedPolygon` and a :yref:`Facet`, a segment in the plane; both sides act.")
 
 #undef RCR_IG2
 

@@ -1,5 +1,7 @@
 #include "dem/shapes/planeConversion.hpp"
 
+#include "dem/shapes/RoundedPolygon.hpp"
+
 namespace yade::plane {
 
 using Planar = rcr::PlanarShape;
@@ -21,35 +23,41 @@ static Planar cut(const Facet& facet, const State& state, Real z)
 		else if (count == 1 || norm(at - ends[0]) > norm(ends[1] - ends[0]))
 			ends[1] = at, count = 2;
 	}
-	const double length = count == 2 ? norm(ends[1] - ends[0]) : 0;
-	if (!(length > 0)) return {};
-	return { Planar::segment, 0, 0, 0.5 * length, 0, 0.5 * (ends[0] + ends[1]),
-		(1 / length) * (ends[1] - ends[0]) };
+	if (count < 2 || !(norm(ends[1] - ends[0]) > 0)) return {};
+	Planar segment;
+	segment.kind = Planar::segment;
+	setCore(segment, { ends[0], ends[1] });
+	return segment;
 }
 
 rcr::PlanarShape shapeOf(const Shape& shape, const State& state, Real z)
 {
-	const int  index  = shape.getClassIndex();
-	const auto planar = [](Planar::Kind kind, Real halfLength, Real halfWidth) {
-		return Planar { kind, 0, 0, double(halfLength), double(halfWidth), {} };
-	};
+	const int index = shape.getClassIndex();
+	Planar    planar;
 	if (index == Rcr::getClassIndexStatic()) {
 		const Rcr& rcr = static_cast<const Rcr&>(shape);
-		return planar(Planar::stadium, rcr.halfLength, rcr.capRadius);
-	}
-	if (index == Sphere::getClassIndexStatic())
-		return planar(Planar::disc, 0, static_cast<const Sphere&>(shape).radius);
-	if (index == Wall::getClassIndexStatic()) {
+		planar.kind = Planar::stadium;
+		planar.halfLength = double(rcr.halfLength), planar.rounding = double(rcr.capRadius);
+	} else if (index == Sphere::getClassIndexStatic()) {
+		planar.kind     = Planar::disc;
+		planar.rounding = double(static_cast<const Sphere&>(shape).radius);
+	} else if (index == RoundedPolygon::getClassIndexStatic()) {
+		planar = static_cast<const RoundedPolygon&>(shape).planar;
+	} else if (index == Wall::getClassIndexStatic()) {
 		const Wall& wall = static_cast<const Wall&>(shape);
-		return { wall.axis < 2 ? Planar::wall : Planar::none, std::int8_t(wall.axis),
-			std::int8_t(wall.sense), 0, 0, {} };
+		planar.kind      = wall.axis < 2 ? Planar::wall : Planar::none;
+		planar.axis = std::int8_t(wall.axis), planar.sense = std::int8_t(wall.sense);
+	} else if (index == Box::getClassIndexStatic()) {
+		const rcr::Vec2 half = toPlane(static_cast<const Box&>(shape).extents);
+		planar.kind          = Planar::box;
+		if (half.x > 0 && half.y > 0)
+			setCore(planar, { half, { -half.x, half.y }, -half, { half.x, -half.y } });
+		else
+			setCore(planar, { -half, half }); // without thickness
+	} else if (index == Facet::getClassIndexStatic()) {
+		planar = cut(static_cast<const Facet&>(shape), state, z);
 	}
-	if (index == Box::getClassIndexStatic()) {
-		const Vector3r& half = static_cast<const Box&>(shape).extents;
-		return planar(Planar::box, half[0], half[1]);
-	}
-	return index == Facet::getClassIndexStatic() ? cut(static_cast<const Facet&>(shape), state, z)
-	                                             : Planar {};
+	return planar;
 }
 
 Matrix3r nextGradient(const Cell& cell)

@@ -294,16 +294,17 @@ bool grainLeavesBox(const Scene& scene, const rcr::Step& step, const rcr::StepBo
 	return false;
 }
 
-/// The bounding box of a box or segment in unsheared space.
+/// The bounding box of an obstacle in unsheared space.
 static rcr::BoundingBox unshearedBounds(
         const Cell& cell, const rcr::PlanarShape& shape, const rcr::Pose& at)
 {
 	const auto unsheared
 	        = [&](rcr::Vec2 v) { return plane::toPlane(cell.unshearPt(plane::toSpace(v))); };
-	const rcr::Pose line
-	        = shape.kind == rcr::PlanarShape::segment ? rcr::segmentPose(shape, at) : at;
-	return rcr::boundsOf(unsheared(line.center), unsheared(shape.halfLength * line.axis),
-	        unsheared(shape.halfWidth * perp(line.axis)));
+	std::vector<rcr::Vec2> points = rcr::coreVertices(shape, at);
+	if (points.empty()) points.push_back(at.center); // a wall
+	for (rcr::Vec2& point : points)
+		point = unsheared(point);
+	return rcr::boundsOf(points);
 }
 
 bool obstacleLeavesBox(const Scene& scene, const rcr::PlanarShape& shape, const rcr::Pose& at,

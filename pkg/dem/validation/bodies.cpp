@@ -1,5 +1,6 @@
 // Rules of validation on bodies: motion, inertia, materials, obstacles in the plane of the grains.
 
+#include "dem/shapes/RoundedPolygon.hpp"
 #include "dem/validation/SceneQuery.hpp"
 #include "kernel/problem/residual.hpp"
 
@@ -44,7 +45,8 @@ bool isGrain(const Body& b)
 {
 	if (!b.shape) return false;
 	const int index = b.shape->getClassIndex();
-	return index == Rcr::getClassIndexStatic() || index == Sphere::getClassIndexStatic();
+	return index == Rcr::getClassIndexStatic() || index == Sphere::getClassIndexStatic()
+	        || index == RoundedPolygon::getClassIndexStatic();
 }
 
 Real planeOf(const Scene& scene)
@@ -97,9 +99,11 @@ std::string bodyError(const Body& b, const rcr::PlanarShape& shape, Real z)
 {
 	const State& s    = *b.state;
 	const auto   name = [&] { return bodyNames({ b.getId() }); };
-	if (shape.grain() && !(shape.halfWidth > 0))
-		return name() + " has the cap radius " + text(shape.halfWidth)
+	if (shape.grain() && !(shape.inscribedRadius() > 0))
+		return name() + " has the cap radius " + text(shape.inscribedRadius())
 		        + "; expected a length > 0: set b.shape.capRadius, or radius of a disc.";
+	if (shape.kind == rcr::PlanarShape::none && dynamic_cast<const RoundedPolygon*>(b.shape.get()))
+		return name() + " is a RoundedPolygon without vertices; make it by rcr.polygon.";
 	if (const std::string error = motionError(b); !error.empty()) return error;
 	// the shape turns with its body about z only; Walls never turn, Facets may be tilted
 	const bool flat = b.isClump() || shape.grain() || shape.kind == rcr::PlanarShape::box;
@@ -146,13 +150,19 @@ std::string invalidBodies(const SceneQuery& v)
 	return {};
 }
 
+/// Returns true for a grain that YADE's engines for spheres leave out.
+static bool isNoSphere(const Body& b)
+{
+	return isGrain(b) && !dynamic_cast<const Sphere*>(b.shape.get());
+}
+
 std::string sphereEngineWarning(const Scene& scene)
 {
 	for (const auto& engine : scene.engines) {
 		const std::string name = engine->getClassName();
 		if (name == "DomainLimiter")
 			for (const auto& b : *scene.bodies)
-				if (b && dynamic_cast<const Rcr*>(b->shape.get()) && b->isStandalone()
+				if (b && isNoSphere(*b) && b->isStandalone()
 				        && b->isDynamic())
 					return name + " never deletes " + bodyNames({ b->getId() })
 					        + ", which is no Sphere; delete it by a PyRunner: O.bodies.erase(id).";
@@ -163,7 +173,7 @@ std::string sphereEngineWarning(const Scene& scene)
 			continue;
 		for (const Body::id_t id : static_cast<const PartialEngine&>(*engine).ids)
 			if (scene.bodies->exists(id)
-			    && dynamic_cast<const Rcr*>((*scene.bodies)[id]->shape.get()))
+			    && isNoSphere(*(*scene.bodies)[id]))
 				return name + " exerts no force on " + bodyNames({ id })
 				        + ", which is no Sphere; add the drag by a PyRunner before ContactDynamics: "
 				          "O.forces.addF(id, force).";
@@ -221,10 +231,10 @@ static Real planarMass(const Body& b, const Scene& scene, const UnionArea& union
 		return material->density * unionArea(ids);
 	}
 	const rcr::PlanarShape s = plane::shapeOf(*b.shape, *b.state, b.state->pos.z());
-	if (s.grain()) return material->density * rcr::area(rcr::Stadium { s.halfLength, s.halfWidth });
-	if (s.kind != rcr::PlanarShape::box) return 0;
-	const Real mass  = 4 * s.halfLength * s.halfWidth * material->density,
-	           block = 2 * static_cast<const Box&>(*b.shape).extents[2] * mass;
+	if (!s.grain() && s.kind != rcr::PlanarShape::box) return 0;
+	const Real mass = material->density * rcr::momentsOf(s).area;
+	if (s.grain()) return mass;
+	const Real block = 2 * static_cast<const Box&>(*b.shape).extents[2] * mass;
 	// a Box is an obstacle, whose mass a script may choose
 	return math::abs(b.state->mass - block) <= 1e-9 * block ? mass : 0;
 }
@@ -234,6 +244,8 @@ static std::string remedyOfMass(const std::string& shape)
 {
 	if (shape == "Sphere") return "make it by rcr.disc, or change the density of its material.";
 	if (shape == "Box") return "give utils.box the half width 0.5 along z.";
+	if (shape == "RoundedPolygon")
+		return "make it by rcr.polygon, or change the density of its material.";
 	if (shape == "Rcr") return "make it by rcr.particle, or change the density of its material.";
 	return "join new bodies by rcr.clump, since YADE's functions on clumps give or keep other "
 	       "masses.";

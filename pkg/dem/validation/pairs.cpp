@@ -45,7 +45,8 @@ namespace {
 	/// Name of the functor of rcr for two shapes in any order; empty: none.
 	std::string functorFor(std::string shape1, std::string shape2)
 	{
-		const std::vector<std::string> supported { "Wall", "Box", "Facet", "Sphere", "Rcr" };
+		const std::vector<std::string> supported { "Wall", "Box", "Facet", "Sphere", "Rcr",
+			"RoundedPolygon" };
 		const std::size_t              firstGrain = 3; // obstacles stand before it
 		const auto                     rank       = [&](const std::string& shape) {
                 return std::size_t(

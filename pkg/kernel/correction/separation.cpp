@@ -164,7 +164,7 @@ namespace {
 			const Manifold before = solvedPointsAfter(step_, c, step_.dt);
 			if (before.count == 0 || dot(before.points[0].normal, at.points[0].normal) >= 0)
 				return at;
-			const double radii = capRadii(step_, c);
+			const double radii = inscribedRadii(step_, c);
 			for (ManifoldPoint& point : at.points) {
 				point.normal = -point.normal;
 				point.gap    = -radii - std::abs(point.gap + radii);

@@ -67,17 +67,18 @@ bool passedThrough(const Step& step, const StepContact& contact, Vec2 normalBefo
 	return true;
 }
 
-/// Cap radius of the thinner grain of a contact [m].
-static double thinnerCapRadius(const Step& step, const StepContact& c)
+/// Inscribed radius of the thinner grain of a contact [m].
+static double thinnerRadius(const Step& step, const StepContact& c)
 {
 	const PlanarShape &one = step.bodies[c.body1].shape, &two = step.bodies[c.body2].shape;
-	return one.grain() ? std::min(one.halfWidth, two.halfWidth) : two.halfWidth;
+	return one.grain() ? std::min(one.inscribedRadius(), two.inscribedRadius())
+	                   : two.inscribedRadius();
 }
 
 bool intrudesOnPath(const Step& step, const StepContact& contact)
 {
 	const auto   velocityOf = [&](int id) { return step.problem.velocity[id]; };
-	const double allowed = thinnerCapRadius(step, contact), close = closeToIntrusion * allowed;
+	const double allowed = thinnerRadius(step, contact), close = closeToIntrusion * allowed;
 	const PlanarVector v1 = velocityOf(contact.body1), v2 = velocityOf(contact.body2);
 	const Vec2         shift    = relativeShift(step, contact, v1, v2);
 	const double       rotation = rotationPath(step, contact, v1, v2);

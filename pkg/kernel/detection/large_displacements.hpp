@@ -30,14 +30,14 @@
 namespace rcr {
 
 /// Relative displacement λ per step over √((R₁ + R₂) ρ) [-] at which the deviation λ²/2ρ from the
-/// tangent plane is half the slop; ρ = R₁' + R₂' is the sum of the cap radii.
+/// tangent plane is half the slop. ρ is the sum of the inscribed radii, R₁' + R₂' of two stadia.
 constexpr double largeDisplacement = 0.01;
 
-/// Sum ρ of the cap radii of two bodies [m]; that of an obstacle is 0.
-inline double capRadii(const Step& step, const StepContact& c)
+/// Sum ρ of the inscribed radii of two bodies [m]; that of an obstacle is 0.
+inline double inscribedRadii(const Step& step, const StepContact& c)
 {
-	const auto cap = [&](const PlanarShape& s) { return s.grain() ? s.halfWidth : 0; };
-	return cap(step.bodies[c.body1].shape) + cap(step.bodies[c.body2].shape);
+	const auto of = [&](const PlanarShape& s) { return s.grain() ? s.inscribedRadius() : 0; };
+	return of(step.bodies[c.body1].shape) + of(step.bodies[c.body2].shape);
 }
 
 /// Upper bound of the path of a point of one body relative to the other by their rotations in the
@@ -60,7 +60,7 @@ inline bool hasLargeDisplacement(
         const Step& step, const StepContact& c, const PlanarVector& v1, const PlanarVector& v2)
 {
 	const double path = norm(relativeShift(step, c, v1, v2)) + rotationPath(step, c, v1, v2);
-	return path * path > largeDisplacement * largeDisplacement * c.size * capRadii(step, c);
+	return path * path > largeDisplacement * largeDisplacement * c.size * inscribedRadii(step, c);
 }
 
 /// At the solved velocities.
@@ -112,7 +112,7 @@ bool passedThrough(const Step&, const StepContact&, Vec2 normalBefore, const Man
         double time);
 
 /// Returns true if at some instant of the step, at the solved velocities, the overlap exceeds the
-/// smaller cap radius; at an obstacle that of the grain. The cores of thin grains then cross.
+/// smaller inscribed radius; at an obstacle that of the grain. Thin grains then cross.
 /// Bodies whose overlap is as deep at the beginning do not count.
 bool intrudesOnPath(const Step&, const StepContact&);
 

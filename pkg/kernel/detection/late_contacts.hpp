@@ -2,7 +2,8 @@
 // that closes beyond the slop within the step.
 //
 // Detection covers gaps up to ℓ₁ + ℓ₂, the sum of the detection reaches of the two bodies. The
-// reach is the alert distance, which follows from the velocity at the beginning of the step:
+// reach is the alert distance, which follows from the velocity at the beginning of the step. R and
+// R' are the circumscribed and the inscribed radius:
 //
 //   ℓ = 2 dt (|v| + |ω| R), for a grain at least 0.01 R'
 //
@@ -31,13 +32,13 @@ inline double alertDistance(const PlanarShape& shape, const PlanarVector& v, dou
 	if (shape.kind == PlanarShape::wall)
 		return 2 * dt * std::abs(shape.axis == 0 ? v.x : v.y);
 	const double alert = 2 * dt * maxSpeed(v, shape.radius());
-	return shape.grain() ? std::max(0.01 * shape.halfWidth, alert) : alert;
+	return shape.grain() ? std::max(0.01 * shape.inscribedRadius(), alert) : alert;
 }
 
 /// Part ℓ_i of the reach of a body to images of others [m]. `imageSpeed`: v_i.
 inline double imageReach(const PlanarShape& shape, double imageSpeed, double dt)
 {
-	return dt * imageSpeed + (shape.grain() ? 0.01 * shape.halfWidth : 0);
+	return dt * imageSpeed + (shape.grain() ? 0.01 * shape.inscribedRadius() : 0);
 }
 
 /// Returns true if masks, clumps and engines of the simulation allow a new contact of two bodies.

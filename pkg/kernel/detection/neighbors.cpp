@@ -5,19 +5,19 @@
 namespace rcr {
 
 constexpr double stepsAhead = 12;             // steps that a margin lasts
-constexpr double least = 0.05, most = 0.6;    // margin over the mean cap radius
+constexpr double least = 0.05, most = 0.6;    // margin over the mean inscribed radius
 // the list is repaired if at most 1/50 of the bodies moved
 constexpr int    repairFraction = 50;
 constexpr int    bodiesPerPart = 256;
 constexpr int    mostCellsPerGrain = 4;
 
-/// Returns true if the shape has not changed. A segment moves and turns in the frame of its body;
-/// `displacement` contains this motion.
+/// Returns true if the shape has not changed. A core of two vertices may move, turn and stretch in
+/// the frame of its body; `displacement` contains this motion.
 static bool isSame(const PlanarShape& one, const PlanarShape& two)
 {
 	return one.kind == two.kind && one.axis == two.axis && one.sense == two.sense
-	        && one.halfWidth == two.halfWidth
-	        && (one.kind == PlanarShape::segment || one.halfLength == two.halfLength);
+	        && one.rounding == two.rounding
+	        && (one.core == two.core || (one.core && two.core && *one.core == *two.core));
 }
 
 /// Largest displacement of a point of the surface of a body [m].
@@ -29,12 +29,11 @@ double Neighbors::displacement(const Reference& at, const StepBody& body)
 	if (now.kind == PlanarShape::wall)
 		return now.axis == 0 ? std::abs(to.center.x - from.center.x)
 		                     : std::abs(to.center.y - from.center.y);
-	const double arm = now.kind == PlanarShape::box ? now.radius() : now.halfLength;
-	double       sum = norm(to.center - from.center) + arm * norm(to.axis - from.axis);
-	if (now.kind == PlanarShape::segment)
-		sum += norm(now.offset - before.offset) + arm * norm(now.direction - before.direction)
-		        + std::abs(now.halfLength - before.halfLength);
-	return sum;
+	const double arm = now.radius() - now.rounding;
+	return norm(to.center - from.center) + arm * norm(to.axis - from.axis)
+	        + norm(now.offset - before.offset)
+	        + now.halfLength * norm(now.direction - before.direction)
+	        + std::abs(now.halfLength - before.halfLength);
 }
 
 /// The value with `count` smaller or equal ones; 0 without values.
@@ -105,7 +104,7 @@ void Neighbors::chooseMargin()
 		if (body.shape.kind == PlanarShape::none) continue;
 		paths.push_back(0.5 * body.alertDistance); // the alert distance is twice the path of a step
 		if (!body.shape.grain()) continue;
-		radii += body.shape.halfWidth;
+		radii += body.shape.inscribedRadius();
 		++grains;
 	}
 	const double radius = grains > 0 ? radii / grains : 0;
@@ -168,7 +167,8 @@ bool Neighbors::near(std::int32_t body1, std::int32_t body2) const
 	const double maxGap = one.alertDistance + two.alertDistance + 2 * margin_;
 	const double limit  = maxGap * (1 + 1e-9);
 	if (!mayTouch(one.shape, one.pose, two.shape, two.pose, limit)) return false;
-	return one.shape.grain()
+	const bool bounded = one.shape.grain() && !one.shape.core && !two.shape.core;
+	return bounded
 	        || contactPoints(one.shape, one.pose, two.shape, two.pose, limit).count > 0;
 }
 

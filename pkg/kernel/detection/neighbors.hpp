@@ -9,7 +9,7 @@
 // The core of a body has the unit axis τ and the half length a. The index 0 marks values at the
 // time of the list.
 //
-// 99.8 % of the bodies move less than the margin in 12 steps. It is 0.05 to 0.6 mean cap radii.
+// 99.8 % of the bodies move less than the margin in 12 steps. It is 0.05 to 0.6 mean inscribed radii.
 // Candidates come from a grid. A cell is at least as wide as the search circles of all but the
 // widest grains. Wide grains and obstacles search their surroundings. If few bodies violate the
 // condition, only their pairs are searched again.

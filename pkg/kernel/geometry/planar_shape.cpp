@@ -1,8 +1,63 @@
 #include "geometry/planar_shape.hpp"
 
+#include "geometry/polygon_overlap.hpp"
+
 namespace rcr {
 
-static Stadium stadiumOf(const PlanarShape& s) { return { s.halfLength, s.halfWidth }; }
+static Stadium stadiumOf(const PlanarShape& s) { return { s.halfLength, s.rounding }; }
+
+static Core coreOf(const PlanarShape& s, const Pose& body, Vec2 origin)
+{
+	return s.core ? coreOf(*s.core, s.rounding, body, origin)
+	              : coreOf(stadiumOf(s), corePose(s, body), origin);
+}
+
+PlanarMoments momentsOf(const PlanarShape& s) { return momentsOf(coreVertices(s, {}), s.rounding); }
+
+void setCore(PlanarShape& shape, const std::vector<Vec2>& vertices)
+{
+	shape.core.reset();
+	if (vertices.size() > 2) {
+		shape.core       = std::make_shared<const ConvexPolygon>(vertices);
+		shape.halfLength = 0;
+		return;
+	}
+	const Vec2 way   = 0.5 * (vertices.back() - vertices.front());
+	shape.halfLength = norm(way);
+	shape.offset     = 0.5 * (vertices.front() + vertices.back());
+	shape.direction  = shape.halfLength > 0
+	        ? Vec2 { way.x / shape.halfLength, way.y / shape.halfLength } : Vec2 { 1, 0 };
+}
+
+std::vector<Vec2> coreVertices(const PlanarShape& shape, const Pose& body)
+{
+	if (shape.kind == PlanarShape::none || shape.kind == PlanarShape::wall) return {};
+	const Core core = coreOf(shape, body, {});
+	return { core.vertices, core.vertices + core.count };
+}
+
+BoundingBox boundsOf(const std::vector<Vec2>& points)
+{
+	Vec2 low = points.front(), high = low;
+	for (const Vec2 v : points) {
+		low  = { std::min(low.x, v.x), std::min(low.y, v.y) };
+		high = { std::max(high.x, v.x), std::max(high.y, v.y) };
+	}
+	return { 0.5 * (low + high), 0.5 * (high - low) };
+}
+
+BoundingBox boundsOf(const PlanarShape& s, const Pose& body)
+{
+	constexpr double infinite = std::numeric_limits<double>::infinity();
+	if (s.kind == PlanarShape::wall)
+		return { body.center, s.axis == 0 ? Vec2 { 0, infinite } : Vec2 { infinite, 0 } };
+	if (!s.core) {
+		const Pose at = corePose(s, body);
+		return { at.center, halfExtent(stadiumOf(s), at.axis) };
+	}
+	const auto [center, half] = boundsOf(coreVertices(s, body));
+	return { center, half + Vec2 { s.rounding, s.rounding } };
+}
 
 static Manifold wallContact(const PlanarShape& wall, Vec2 origin, const PlanarShape& grain,
         const Pose& at, double maxGap)
@@ -10,36 +65,32 @@ static Manifold wallContact(const PlanarShape& wall, Vec2 origin, const PlanarSh
 	const double ahead  = wall.axis == 0 ? at.center.x - origin.x : at.center.y - origin.y;
 	// a one-sided wall does not bear grains far behind it; the margin is for rounding
 	if (std::abs(ahead) > 1.000001 * (grain.radius() + maxGap)) return {};
-	const double side   = wall.sense != 0 ? wall.sense : ahead < 0 ? -1 : 1;
-	const Vec2   normal = wall.axis == 0 ? Vec2 { side, 0 } : Vec2 { 0, side };
-	return shadowOverlap(HalfPlane { origin, normal }, stadiumOf(grain), at, maxGap);
-}
-
-/// A segment is a stadium of cap radius 0.
-static Manifold segmentContact(const PlanarShape& segment, const Pose& body,
-        const PlanarShape& grain, const Pose& at, double maxGap)
-{
-	Manifold result = shadowOverlap(stadiumOf(segment), segmentPose(segment, body),
-	        stadiumOf(grain), at, maxGap);
-	result.sortAlong(at.axis);
-	result.type = ContactType::obstacle;
-	return result;
+	const double    side = wall.sense != 0 ? wall.sense : ahead < 0 ? -1 : 1;
+	const HalfPlane plane { origin, wall.axis == 0 ? Vec2 { side, 0 } : Vec2 { 0, side } };
+	if (grain.core) return polygonOverlap(plane, coreOf(grain, at, {}), maxGap);
+	return shadowOverlap(plane, stadiumOf(grain), corePose(grain, at), maxGap);
 }
 
 Manifold contactPoints(const PlanarShape& one, const Pose& at1, const PlanarShape& two,
         const Pose& at2, double maxGap)
 {
-	switch (one.kind) {
-		case PlanarShape::wall: return wallContact(one, at1.center, two, at2, maxGap);
-		case PlanarShape::box:
-			return shadowOverlap(Rectangle { { one.halfLength, one.halfWidth } }, at1,
-			        stadiumOf(two), at2, maxGap);
-		case PlanarShape::segment: return segmentContact(one, at1, two, at2, maxGap);
-		case PlanarShape::none:
-		case PlanarShape::disc:
-		case PlanarShape::stadium: break;
+	Manifold result;
+	if (one.kind == PlanarShape::wall) {
+		result = wallContact(one, at1.center, two, at2, maxGap);
+	} else if (one.core || two.core) {
+		const Vec2 origin = at1.center; // coordinates of the order of the bodies
+		result = polygonOverlap(coreOf(one, at1, origin), coreOf(two, at2, origin), maxGap);
+		for (ManifoldPoint& point : result.points)
+			point.position = origin + point.position;
+	} else {
+		result = shadowOverlap(
+		        stadiumOf(one), corePose(one, at1), stadiumOf(two), corePose(two, at2), maxGap);
 	}
-	return shadowOverlap(stadiumOf(one), at1, stadiumOf(two), at2, maxGap);
+	if (!one.grain()) {
+		result.type = ContactType::obstacle;
+		if (!two.core) result.sortAlong(corePose(two, at2).axis);
+	}
+	return result;
 }
 
 } // namespace rcr

@@ -1,53 +1,71 @@
 // Shape of a body in the plane, and the contact points of a pair of shapes.
 //
-// | kind    | shape                                         | contacts with |
-// |---------|-----------------------------------------------|---------------|
-// | wall    | half plane bounded by a line normal to x or y | grains        |
-// | box     | rectangle that rotates with its body          | grains        |
-// | segment | line without thickness, with two sides        | grains        |
-// | disc    | stadium whose core is a point                 | all           |
-// | stadium | rounded-cap rectangle                         | all           |
+// A shape is a half plane, or a core with a rounding radius r: all points within r of the core.
 //
-// Walls, boxes and segments are obstacles; discs and stadia are grains. The kind of body 1 comes
-// first in this table, so normals point from an obstacle to a grain.
+// | kind    | shape                                         | vertices of the core | r  |
+// |---------|-----------------------------------------------|----------------------|----|
+// | wall    | half plane bounded by a line normal to x or y |                      |    |
+// | box     | rectangle that rotates with its body          | 4                    | 0  |
+// | segment | line without thickness, with two sides        | 2                    | 0  |
+// | disc    | disc of radius R                              | 1                    | R  |
+// | stadium | rounded-cap rectangle                         | 2                    | R' |
+// | polygon | rounded convex polygon                        | 1 to 16              | r  |
+//
+// Walls, boxes and segments are obstacles, the others are grains. Obstacles touch grains only. The
+// kind of body 1 comes first in this table, so normals point from an obstacle to a grain.
 #pragma once
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 
+#include "geometry/convex_polygon.hpp"
 #include "geometry/shadow_overlap.hpp"
 
 namespace rcr {
 
 struct PlanarShape {
-	enum Kind : std::int8_t { none, wall, box, segment, disc, stadium };
+	enum Kind : std::int8_t { none, wall, box, segment, disc, stadium, polygon };
 
 	Kind        kind       = none;
 	std::int8_t axis       = 0; // wall: axis of the normal, 0 for x, 1 for y
 	std::int8_t sense      = 0; // wall: sign of the normal; 0: towards the grain
-	double      halfLength = 0; // stadium: a; disc: 0; box: half extent; segment: half length [m]
-	double      halfWidth  = 0; // stadium: R'; disc: R; box: half extent; segment: 0 [m]
-	Vec2        offset;         // segment: its midpoint in the frame of the body [m]
-	Vec2        direction { 1, 0 }; // segment: its unit vector in the frame of the body
+	double      halfLength = 0; // a of a core of two vertices, else 0 [m]
+	double      rounding   = 0; // r [m]
+	Vec2        offset;         // midpoint of a core of two vertices in the frame of the body [m]
+	Vec2        direction { 1, 0 }; // its unit vector in this frame
+	std::shared_ptr<const ConvexPolygon> core; // of three or more vertices
 
 	bool grain() const { return kind >= disc; }
 
 	/// Largest distance of a point from the centre of the body [m]; 0 for an infinite wall.
 	double radius() const
 	{
-		if (grain()) return halfLength + halfWidth;
-		if (kind == box) return norm(Vec2 { halfLength, halfWidth });
-		return kind == segment ? norm(offset) + halfLength : 0;
+		return (core ? core->circumscribed : norm(offset) + halfLength) + rounding;
 	}
+
+	/// Radius of the inscribed circle about the centre [m], the scale of a grain's thickness.
+	double inscribedRadius() const { return (core ? core->inscribed : 0) + rounding; }
 
 	/// Circumscribed radius of a grain [m]; 0 for an obstacle.
 	double circumscribedRadius() const { return grain() ? radius() : 0; }
 };
 
-inline Pose segmentPose(const PlanarShape& segment, const Pose& body)
+/// Area, centroid and polar moment of a grain or a box, in the frame of its body.
+PlanarMoments momentsOf(const PlanarShape&);
+
+/// Sets the core of a shape to these vertices in the frame of the body.
+void setCore(PlanarShape&, const std::vector<Vec2>& vertices);
+
+/// Vertices of the core in the plane, counter-clockwise; none of a wall.
+std::vector<Vec2> coreVertices(const PlanarShape&, const Pose& body);
+
+/// Midpoint and direction of a core of at most two vertices.
+inline Pose corePose(const PlanarShape& s, const Pose& body)
 {
+	if (s.kind == PlanarShape::disc || s.kind == PlanarShape::stadium) return body;
 	const auto rotated = [&](Vec2 v) { return v.x * body.axis + v.y * perp(body.axis); };
-	return { body.center + rotated(segment.offset), rotated(segment.direction) };
+	return { body.center + rotated(s.offset), rotated(s.direction) };
 }
 
 /// Centre and half widths of an axis-aligned bounding box [m].
@@ -55,24 +73,11 @@ struct BoundingBox {
 	Vec2 center, half;
 };
 
-/// The bounding box of a parallelogram with these half edges [m].
-inline BoundingBox boundsOf(Vec2 center, Vec2 along, Vec2 across)
-{
-	return { center,
-		{ std::abs(along.x) + std::abs(across.x), std::abs(along.y) + std::abs(across.y) } };
-}
+/// The bounding box of one point or more.
+BoundingBox boundsOf(const std::vector<Vec2>& points);
 
 /// The bounding box of a shape. A wall is infinite along its line.
-inline BoundingBox boundsOf(const PlanarShape& s, const Pose& body)
-{
-	constexpr double infinite = std::numeric_limits<double>::infinity();
-	if (s.kind == PlanarShape::wall)
-		return { body.center, s.axis == 0 ? Vec2 { 0, infinite } : Vec2 { infinite, 0 } };
-	if (s.grain())
-		return { body.center, halfExtent(Stadium { s.halfLength, s.halfWidth }, body.axis) };
-	const auto [center, axis] = s.kind == PlanarShape::segment ? segmentPose(s, body) : body;
-	return boundsOf(center, s.halfLength * axis, s.halfWidth * perp(axis));
-}
+BoundingBox boundsOf(const PlanarShape&, const Pose& body);
 
 /// R₁ + R₂ of a pair [m], the scale of overlaps. An obstacle has the radius of the grain.
 inline double contactSize(const PlanarShape& one, const PlanarShape& two)
@@ -106,9 +111,13 @@ inline bool mayTouch(const PlanarShape& one, const Pose& at1, const PlanarShape&
         const Pose& at2, double maxGap)
 {
 	if (!canTouch(one.kind, two.kind)) return false;
-	return !one.grain()
-	        || mayTouch({ one.halfLength, one.halfWidth }, at1, { two.halfLength, two.halfWidth },
-	                at2, maxGap);
+	if (!one.grain()) return true;
+	if (!one.core && !two.core)
+		return mayTouch({ one.halfLength, one.rounding }, corePose(one, at1),
+		        { two.halfLength, two.rounding }, corePose(two, at2), maxGap);
+	const Vec2   apart = at2.center - at1.center;
+	const double most  = one.radius() + two.radius() + maxGap;
+	return dot(apart, apart) <= most * most;
 }
 
 /// Contact points of two bodies with gaps up to `maxGap` [m]. Requires canTouch.

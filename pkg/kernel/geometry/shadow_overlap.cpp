@@ -1,6 +1,5 @@
 #include "geometry/shadow_overlap.hpp"
 
-#include <array>
 #include <limits>
 
 namespace rcr {
@@ -85,96 +84,6 @@ namespace {
 		return result;
 	}
 
-	// ---- boxes
-
-	/// A box and the core of a stadium, in the frame of the box.
-	struct CoreAtBox {
-		Vec2   half;         // half extents of the box
-		Vec2   center, axis; // of the core
-		double halfLength;   // of the core
-		Vec2   ends[2];      // of the core
-
-		std::array<Vec2, 4> corners() const
-		{
-			return { { { -half.x, -half.y }, { half.x, -half.y }, half, { -half.x, half.y } } };
-		}
-	};
-
-	/// Axis of the largest distance between box and core, from the box to the core.
-	struct SeparatingAxis {
-		double distance = -std::numeric_limits<double>::infinity(); // negative: overlap
-		Vec2   axis;
-		bool   face = true; // normal to a face of the box, else to the core
-	};
-
-	/// Compares the four faces of the box, then the two sides of the core segment.
-	SeparatingAxis separatingAxis(const CoreAtBox& c)
-	{
-		const Vec2 side    = perp(c.axis);
-		const Vec2 axes[6] = { { 1, 0 }, { 0, 1 }, { -1, 0 }, { 0, -1 }, side, -side };
-		SeparatingAxis best;
-		for (int k = 0; k < (c.halfLength > 0 ? 6 : 4); ++k) {
-			const Vec2   n        = axes[k];
-			const double nearest  = std::min(dot(c.ends[0], n), dot(c.ends[1], n));
-			const double distance = nearest - std::abs(c.half.x * n.x) - std::abs(c.half.y * n.y);
-			// rounding must not prefer the side of a core parallel to a face, which has two points
-			if (distance > best.distance + (k < 4 ? 0 : 1e-12 * (c.half.x + c.half.y)))
-				best = { distance, n, k < 4 };
-		}
-		return best;
-	}
-
-	/// Points of a core that overlaps the box, pushed out along the separating axis.
-	int overlappingPoints(const CoreAtBox& c, const SeparatingAxis& out, Facing* facing)
-	{
-		if (!out.face) {
-			const auto corners = c.corners();
-			const Vec2 corner  = *std::max_element(corners.begin(), corners.end(),
-			         [&](Vec2 a, Vec2 b) { return dot(a, out.axis) < dot(b, out.axis); });
-			facing[0] = { corner, corner + out.distance * out.axis, out.axis, out.distance, true };
-			return 1;
-		}
-		const Vec2   face   = perp(out.axis);
-		const double width  = std::abs(dot(c.half, face)), height = std::abs(dot(c.half, out.axis));
-		int          count  = 0;
-		for (Vec2 end : c.ends) {
-			// only the part of the core over the face counts
-			const double along  = dot(end, face), beyond = along - std::clamp(along, -width, width);
-			const Vec2   at     = beyond == 0 ? end : end - (beyond / dot(c.axis, face)) * c.axis;
-			const double depth  = dot(at, out.axis) - height;
-			facing[count++]     = { at - depth * out.axis, at, out.axis, depth, true };
-			if (c.halfLength == 0) break;
-		}
-		return count;
-	}
-
-	/// Ends of a core beside the box, then corners of the box that face the core.
-	int separatedPoints(const CoreAtBox& c, Vec2 separatingAxis, Facing* facing)
-	{
-		int count = 0;
-		for (Vec2 end : c.ends) {
-			const Vec2 foot { std::clamp(end.x, -c.half.x, c.half.x),
-				              std::clamp(end.y, -c.half.y, c.half.y) };
-			const Vec2 gap   = end - foot;
-			const bool faced = (foot.x == end.x) != (foot.y == end.y);
-			facing[count++]  = { foot, end, direction(gap, separatingAxis), norm(gap), faced };
-			if (c.halfLength == 0) return count;
-		}
-		for (Vec2 corner : c.corners()) {
-			const double along  = dot(corner - c.center, c.axis),
-			             across = cross(c.axis, corner - c.center);
-			if (std::abs(along) > sideReach * c.halfLength) continue;
-			const Vec2 normal = -sign(across) * perp(c.axis);
-			// the core must be beyond the face on which the corner lies
-			if (std::abs(normal.x) > std::abs(normal.y) ? normal.x * corner.x < 0
-			                                            : normal.y * corner.y < 0)
-				continue;
-			facing[count++]
-			        = { corner, corner - across * perp(c.axis), normal, std::abs(across), true };
-		}
-		return count;
-	}
-
 } // namespace
 
 Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, const Pose& at2,
@@ -231,30 +140,6 @@ Manifold shadowOverlap(const HalfPlane& wall, const Stadium& s, const Pose& at, 
 			        = { core - (s.capRadius + gap / 2) * wall.normal, wall.normal, gap };
 		if (s.halfLength == 0) break;
 	}
-	return result;
-}
-
-Manifold shadowOverlap(
-        const Rectangle& box, const Pose& boxAt, const Stadium& s, const Pose& at, double maxGap)
-{
-	const Vec2 x = boxAt.axis, y = perp(x), d = at.center - boxAt.center;
-	const Vec2 q { dot(d, x), dot(d, y) }, e { dot(at.axis, x), dot(at.axis, y) };
-	const CoreAtBox core { box.halfExtent, q, e, s.halfLength,
-		                   { q - s.halfLength * e, q + s.halfLength * e } };
-	const SeparatingAxis separating = separatingAxis(core);
-
-	Facing    facing[6];
-	const int count = separating.distance > 0 ? separatedPoints(core, separating.axis, facing)
-	                                          : overlappingPoints(core, separating, facing);
-	for (int k = 0; k < count; ++k) { // from the frame of the box to the plane
-		const auto toPlane = [&](Vec2 v) { return v.x * x + v.y * y; };
-		facing[k].core1    = boxAt.center + toPlane(facing[k].core1);
-		facing[k].core2    = boxAt.center + toPlane(facing[k].core2);
-		facing[k].normal   = toPlane(facing[k].normal);
-	}
-	Manifold result = manifold(
-	        facing, count, closestOf(facing, count), 0, s.capRadius, maxGap, at.axis);
-	result.type     = ContactType::obstacle;
 	return result;
 }
 

@@ -58,11 +58,6 @@ struct HalfPlane {
 	Vec2 normal;
 };
 
-/// Box in the plane; the axis of its pose is its local x.
-struct Rectangle {
-	Vec2 halfExtent;
-};
-
 /// Gaps between the projections of two cores, along and across each of them [m]; negative: overlap.
 struct CoreGaps {
 	double along1, across1, along2, across2;
@@ -98,6 +93,5 @@ inline bool mayTouch(const Stadium& s1, const Pose& at1, const Stadium& s2, cons
 /// Points with gaps up to `maxGap` [m].
 Manifold shadowOverlap(const Stadium&, const Pose&, const Stadium&, const Pose&, double maxGap);
 Manifold shadowOverlap(const HalfPlane&, const Stadium&, const Pose&, double maxGap);
-Manifold shadowOverlap(const Rectangle&, const Pose&, const Stadium&, const Pose&, double maxGap);
 
 } // namespace rcr
