@@ -24,10 +24,12 @@ _MODULES = ("export", "measure", "plot", "script")  # imported at first use, bec
 _LAZY = dict(snapshot="plot", movie="_pictures.movie", Profile="profile")  # name: its module
 _SCENE = dict.fromkeys(  # functions of a YADE session: their modules
     ("clump", "disc", "mobile_wall", "particle", "segment", "wall"), "scene")
+_SCENE |= dict.fromkeys(("elongated_hexagon", "from_outline", "polygon", "regular_polygon",
+                         "truncated_triangle"), "polygons")
 _SCENE |= dict(advance="_yade.advance", contact_network="_yade.scene_network",
                critical_time_step="_yade.time_step", half_step_start="_yade.time_step")
 _CLASSES = re.compile(
-    "(Bo1|Gl1|Ig2|Ip2|Law2)_.*|Rcr(Geom|FrictPhys)?|CdPhys|ContactDynamics|(Cell|Wall)Stress")
+    "(Bo1|Gl1|Ig2|Ip2|Law2)_.*|Rcr(Geom|FrictPhys)?|RoundedPolygon|CdPhys|ContactDynamics|(Cell|Wall)Stress")
 
 
 def __getattr__(name):

@@ -59,7 +59,7 @@ def particle(
     shape = Rcr(capRadius=(1 - eta) * R, halfLength=eta * R)
     area = _kernel.area(shape.halfLength, shape.capRadius)
     moment = _kernel.polar_moment(shape.halfLength, shape.capRadius)
-    return _grain(shape, area, moment, center, angle, material, fixed, color, mask, velocity,
+    return grain_body(shape, area, moment, center, angle, material, fixed, color, mask, velocity,
                   angular_velocity)
 
 
@@ -74,7 +74,7 @@ def disc(
     """
     R = _number("R", R, "a finite radius > 0 [m]", _positive)
     area, moment = math.pi * R**2, math.pi * R**4 / 2
-    return _grain(Sphere(radius=R), area, moment, center, angle, material, fixed, color, mask,
+    return grain_body(Sphere(radius=R), area, moment, center, angle, material, fixed, color, mask,
                   velocity, angular_velocity)
 
 
@@ -187,11 +187,15 @@ def segment(start, end, material=-1):
     return utils.facet(corners, material=_material(material))
 
 
-def _grain(
-    shape, area, polar_moment, center, angle, material, fixed, color, mask, velocity,
-    angular_velocity,
+def grain_body(
+    shape, area, polar_moment, center, angle=0, material=-1, fixed=False, color=None, mask=1,
+    velocity=(0, 0), angular_velocity=0,
 ):  # fmt: skip
-    """Return a body in the plane with mass and inertia per unit depth."""
+    """Return a body in the plane with the mass and inertia of its shape per unit depth.
+
+    `area` [m²] and `polar_moment` = ∫ |x|² dA about the centre [m⁴] are those of `shape`. The other
+    parameters are those of `particle`.
+    """
     material = _material(material)
     expected = "a finite density > 0 [kg/m³]"
     density = _number("material.density", material.density, expected, _positive)

@@ -35,7 +35,8 @@ def engines(gravity=(0, -G, 0), before=(), restitution=None, law="rigid", **opti
         ip2.restitution = w.MatchMaker(algo="val", val=restitution)
     boxes = w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Sphere_Aabb(), w.Bo1_Facet_Aabb()
     return [w.ForceResetter(),
-            w.InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), *boxes], verletDist=0.01),
+            w.InsertionSortCollider(
+                [rcr.Bo1_Rcr_Aabb(), rcr.Bo1_RoundedPolygon_Aabb(), *boxes], verletDist=0.01),
             w.InteractionLoop([getattr(rcr, name)() for name in ALL_IG2], [ip2], [law2]),
             *before, w.NewtonIntegrator(gravity=gravity, damping=0)]
 

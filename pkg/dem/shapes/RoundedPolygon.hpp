@@ -16,7 +16,7 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RoundedPolygon,Shape,
 		"Rounded convex polygon in the plane z = const: all points within :yref:`radius<RoundedPolygon.radius>` of a core polygon. "
 		"``rcr.polygon`` makes a body with its centre of mass, mass and inertia.",
-		((vector<Vector2r>,vertices,,Attr::triggerPostLoad,"Corners of the core, 1 to 16, convex and counter-clockwise, in the frame of the body about its centre of mass [m]."))
+		((vector<Vector2r>,vertices,,Attr::triggerPostLoad,"Corners of the core, 1 to 64, convex and counter-clockwise, in the frame of the body about its centre of mass [m]."))
 		((Real,radius,0,Attr::triggerPostLoad,"Rounding radius [m]; ≥ 0, and > 0 with less than three vertices.")),
 		createIndex();
 	);

@@ -14,7 +14,7 @@
 
 namespace rcr {
 
-constexpr int mostVertices = 16;
+constexpr int mostVertices = 64;
 
 /// Outward normal of a side of a counter-clockwise polygon.
 inline Vec2 outward(Vec2 along) { return -perp(along); }
@@ -32,7 +32,7 @@ struct ConvexPolygon {
 	bool operator==(const ConvexPolygon& other) const;
 };
 
-/// What is wrong with a core and its rounding radius; empty: nothing. A core has 1 to 16 vertices,
+/// What is wrong with a core and its rounding radius; empty: nothing. A core has 1 to 64 vertices,
 /// convex and counter-clockwise. With less than three it needs a rounding.
 std::string polygonError(const std::vector<Vec2>& vertices, double rounding);
 

@@ -32,8 +32,11 @@ void setCore(PlanarShape& shape, const std::vector<Vec2>& vertices)
 std::vector<Vec2> coreVertices(const PlanarShape& shape, const Pose& body)
 {
 	if (shape.kind == PlanarShape::none || shape.kind == PlanarShape::wall) return {};
-	const Core core = coreOf(shape, body, {});
-	return { core.vertices, core.vertices + core.count };
+	const Core        core = coreOf(shape, body, {});
+	std::vector<Vec2> vertices;
+	for (int k = 0; k < core.count; ++k)
+		vertices.push_back(core.vertex(k));
+	return vertices;
 }
 
 BoundingBox boundsOf(const std::vector<Vec2>& points)

@@ -9,7 +9,7 @@
 // | segment | line without thickness, with two sides        | 2                    | 0  |
 // | disc    | disc of radius R                              | 1                    | R  |
 // | stadium | rounded-cap rectangle                         | 2                    | R' |
-// | polygon | rounded convex polygon                        | 1 to 16              | r  |
+// | polygon | rounded convex polygon                        | 1 to 64              | r  |
 //
 // Walls, boxes and segments are obstacles, the others are grains. Obstacles touch grains only. The
 // kind of body 1 comes first in this table, so normals point from an obstacle to a grain.

@@ -22,7 +22,7 @@ namespace {
 	/// Place of the foot of a vertex along a side, from its first vertex.
 	double footAlong(const Core& c, int side, Vec2 vertex)
 	{
-		return dot(vertex - c.vertices[side], c.along[side]);
+		return dot(vertex - c.vertex(side), c.along(side));
 	}
 
 	bool onSide(const Core& c, int side, Vec2 vertex)
@@ -35,16 +35,21 @@ namespace {
 	/// Returns false if its distance exceeds `most`, which no distance of the cores then undercuts.
 	bool findFace(const Core& c, const Core& other, bool ofOne, double most, Face& best)
 	{
-		for (int side = 0; side < (c.count > 1 ? c.count : 0); ++side) {
-			const Vec2   normal  = outward(c.along[side]);
-			const double level   = dot(c.vertices[side], normal);
-			double       nearest = infinity;
-			int          vertex  = 0;
-			for (int k = 0; k < other.count; ++k) {
-				const double height = dot(other.vertices[k], normal);
-				if (height < nearest) nearest = height, vertex = k;
+		if (c.count < 2) return true;
+		int vertex = 0; // the nearest to the side; it moves on counter-clockwise with the normal
+		for (int side = 0; side < c.count; ++side) {
+			const Vec2 normal = outward(c.along(side));
+			const auto height = [&](int k) { return dot(other.vertex(k), normal); };
+			double     nearest = height(vertex);
+			if (side == 0)
+				for (int k = 1; k < other.count; ++k)
+					if (const double h = height(k); h < nearest) nearest = h, vertex = k;
+			for (int steps = 1; steps < other.count; ++steps) {
+				const double h = height(next(other, vertex));
+				if (h > nearest) break;
+				nearest = h, vertex = next(other, vertex);
 			}
-			const double distance = nearest - level;
+			const double distance = nearest - dot(c.vertex(side), normal);
 			if (distance > most) return false;
 			if (distance > best.distance) best = { distance, side, vertex, ofOne };
 		}
@@ -56,19 +61,19 @@ namespace {
 	bool settle(const Core& one, const Core& two, Face& face)
 	{
 		const Core &c = face.ofOne ? one : two, &other = face.ofOne ? two : one;
-		if (onSide(c, face.side, other.vertices[face.vertex])) return true;
-		const Vec2   normal = outward(c.along[face.side]);
-		const double level  = dot(c.vertices[face.side], normal), reach = rounding * c.length[face.side];
+		if (onSide(c, face.side, other.vertex(face.vertex))) return true;
+		const Vec2   normal = outward(c.along(face.side));
+		const double level  = dot(c.vertex(face.side), normal), reach = rounding * c.length[face.side];
 		for (int side : { face.vertex, previous(other, face.vertex) }) {
-			if (other.count < 2 || dot(other.along[side], c.along[face.side]) > 0) continue;
+			if (other.count < 2 || dot(other.along(side), c.along(face.side)) > 0) continue;
 			const int k = side == face.vertex ? next(other, side) : side; // its other end
-			if (dot(other.vertices[k], normal) - level > face.distance + reach) continue;
-			if (onSide(c, face.side, other.vertices[k])) {
+			if (dot(other.vertex(k), normal) - level > face.distance + reach) continue;
+			if (onSide(c, face.side, other.vertex(k))) {
 				face.vertex = k;
 				return true;
 			}
 			for (int end : { face.side, next(c, face.side) })
-				if (onSide(other, side, c.vertices[end])) {
+				if (onSide(other, side, c.vertex(end))) {
 					face = { face.distance, side, end, !face.ofOne };
 					return true;
 				}
@@ -88,13 +93,13 @@ namespace {
 	/// Ends of the two sides at a vertex: along the tangent counter-clockwise around the core first.
 	void endsOfVertex(const Core& c, int vertex, Vec2 (&ends)[2])
 	{
-		ends[0] = c.vertices[next(c, vertex)], ends[1] = c.vertices[previous(c, vertex)];
+		ends[0] = c.vertex(next(c, vertex)), ends[1] = c.vertex(previous(c, vertex));
 	}
 
 	Closest closestOf(const Core& one, const Core& two, const Face& face)
 	{
 		const Core  &c = face.ofOne ? one : two, &other = face.ofOne ? two : one;
-		const Vec2   normal = outward(c.along[face.side]), vertex = other.vertices[face.vertex];
+		const Vec2   normal = outward(c.along(face.side)), vertex = other.vertex(face.vertex);
 		Closest      found;
 		found.distance = face.distance, found.side = true;
 		found.normal   = face.ofOne ? normal : -normal;
@@ -102,7 +107,7 @@ namespace {
 		(face.ofOne ? found.point2 : found.point1) = vertex;
 		Vec2(&ends)[2]      = face.ofOne ? found.end1 : found.end2;
 		Vec2(&otherEnds)[2] = face.ofOne ? found.end2 : found.end1;
-		ends[0] = c.vertices[next(c, face.side)], ends[1] = c.vertices[face.side];
+		ends[0] = c.vertex(next(c, face.side)), ends[1] = c.vertex(face.side);
 		endsOfVertex(other, face.vertex, otherEnds);
 		std::swap(found.end2[0], found.end2[1]); // core 2 lies on the other side of the tangent
 		return found;
@@ -114,12 +119,12 @@ namespace {
 		int    i = 0, j = 0;
 		for (int k = 0; k < one.count; ++k)
 			for (int l = 0; l < two.count; ++l) {
-				const Vec2   between = two.vertices[l] - one.vertices[k];
+				const Vec2   between = two.vertex(l) - one.vertex(k);
 				const double squared = dot(between, between);
 				if (squared < least) least = squared, i = k, j = l;
 			}
 		Closest found;
-		found.point1 = one.vertices[i], found.point2 = two.vertices[j], found.side = false;
+		found.point1 = one.vertex(i), found.point2 = two.vertex(j), found.side = false;
 		found.distance = std::sqrt(least);
 		found.normal   = 1 / found.distance * (found.point2 - found.point1);
 		endsOfVertex(one, i, found.end1), endsOfVertex(two, j, found.end2);
@@ -186,13 +191,12 @@ namespace {
 Core coreOf(const ConvexPolygon& polygon, double radius, const Pose& at, Vec2 origin)
 {
 	Core       core;
-	const Vec2 center = at.center - origin, x = at.axis, y = perp(at.axis);
+	const Vec2 center = at.center - origin;
+	const auto turned = [&](Vec2 v) { return v.x * at.axis + v.y * perp(at.axis); };
 	core.count = int(polygon.vertices.size()), core.rounding = radius;
 	for (int k = 0; k < core.count; ++k) {
-		const Vec2 v = polygon.vertices[k], along = polygon.along[k];
-		core.vertices[k] = center + v.x * x + v.y * y;
-		core.along[k]    = along.x * x + along.y * y;
-		core.length[k]   = polygon.length[k];
+		core.setVertex(k, center + turned(polygon.vertices[k]));
+		core.setSide(k, turned(polygon.along[k]), polygon.length[k]);
 	}
 	return core;
 }
@@ -202,9 +206,8 @@ Core coreOf(const Stadium& s, const Pose& at, Vec2 origin)
 	Core       core;
 	const Vec2 center = at.center - origin, half = s.halfLength * at.axis;
 	core.count = s.halfLength > 0 ? 2 : 1, core.rounding = s.capRadius;
-	core.vertices[0] = center - half, core.vertices[1] = center + half;
-	core.along[0] = at.axis, core.along[1] = -at.axis;
-	core.length[0] = core.length[1] = 2 * s.halfLength;
+	core.setVertex(0, center - half), core.setVertex(1, center + half);
+	core.setSide(0, at.axis, 2 * s.halfLength), core.setSide(1, -at.axis, 2 * s.halfLength);
 	return core;
 }
 
@@ -224,13 +227,13 @@ Manifold polygonOverlap(const Core& one, const Core& two, double maxGap)
 
 Manifold polygonOverlap(const HalfPlane& wall, const Core& core, double maxGap)
 {
-	const auto height = [&](int k) { return dot(core.vertices[k] - wall.origin, wall.normal); };
+	const auto height = [&](int k) { return dot(core.vertex(k) - wall.origin, wall.normal); };
 	int        lowest = 0;
 	for (int k = 1; k < core.count; ++k)
 		if (height(k) < height(lowest)) lowest = k;
 	Closest closest;
 	closest.distance = height(lowest), closest.normal = wall.normal, closest.side = true;
-	closest.point2 = core.vertices[lowest];
+	closest.point2 = core.vertex(lowest);
 	closest.point1 = closest.point2 - closest.distance * wall.normal;
 	endsOfVertex(core, lowest, closest.end2);
 	std::swap(closest.end2[0], closest.end2[1]);

@@ -17,9 +17,14 @@ namespace rcr {
 struct Core {
 	int    count    = 0; // vertices; side k leads from vertex k to the next
 	double rounding = 0;
-	Vec2   vertices[mostVertices];
-	Vec2   along[mostVertices]; // unit vectors of the sides
-	double length[mostVertices];
+	double x[mostVertices], y[mostVertices];           // of the vertices [m]
+	double alongX[mostVertices], alongY[mostVertices]; // unit vectors of the sides
+	double length[mostVertices];                       // of the sides [m]
+
+	Vec2 vertex(int k) const { return { x[k], y[k] }; }
+	Vec2 along(int side) const { return { alongX[side], alongY[side] }; }
+	void setVertex(int k, Vec2 v) { x[k] = v.x, y[k] = v.y; }
+	void setSide(int k, Vec2 unit, double size) { alongX[k] = unit.x, alongY[k] = unit.y, length[k] = size; }
 };
 
 /// Core of the polygon at a pose, relative to `origin`.
