@@ -33,7 +33,6 @@ TABLE = {
         ("deepest-end", "if (-std::abs(h) <= least.", "if (k > 0 && -std::abs(h) >= least."),
         ("wall-of-one-cap", "if (s.halfLength == 0) break;\n\t}\n\treturn result;",
          "break;\n\t}\n\treturn result;"),
-        ("corner-of-the-box", "std::abs(along) > sideReach * c", "std::abs(along) < sideReach * c"),
     ],
     "geometry/shadow_overlap.hpp": [
         ("distance-without-gap", "+ s2.capRadius + maxGap,", "+ s2.capRadius,"),

@@ -14,19 +14,20 @@ from yade import O
 from yade.wrapper import MatchMaker, PyRunner
 
 OURS = {
-    "Shape": {"Rcr"},
-    "BoundFunctor": {"Bo1_Rcr_Aabb", "Bo1_Disc_Aabb"},
+    "Shape": {"Rcr", "RoundedPolygon"},
+    "BoundFunctor": {"Bo1_Rcr_Aabb", "Bo1_Disc_Aabb", "Bo1_RoundedPolygon_Aabb"},
     "IGeom": {"RcrGeom"},
-    "IGeomFunctor": {f"Ig2_{obstacle}_{grain}_RcrGeom" for grain in ("Rcr", "Sphere")
-                     for obstacle in ("Wall", "Box", "Facet", "Sphere")}
-    | {"Ig2_Planar_RcrGeom", "Ig2_Rcr_Rcr_RcrGeom"},
+    "IGeomFunctor": {f"Ig2_{other}_{grain}_RcrGeom" for grain in ("Rcr", "Sphere", "RoundedPolygon")
+                     for other in ("Wall", "Box", "Facet", "Sphere")}
+    | {"Ig2_Planar_RcrGeom", "Ig2_Rcr_Rcr_RcrGeom", "Ig2_Rcr_RoundedPolygon_RcrGeom",
+       "Ig2_RoundedPolygon_RoundedPolygon_RcrGeom"},
     "IPhys": {"CdPhys", "RcrFrictPhys"},
     "IPhysFunctor": {"Ip2_FrictMat_FrictMat_CdPhys"},
     "LawFunctor": {"Law2_RcrGeom_CdPhys_SignoriniCoulomb", "Law2_RcrGeom_FrictPhys_CundallStrack"},
     "GlobalEngine": {"CellStress", "ContactDynamics", "WallStress"},
 }
 if hasattr(rcr, "Gl1_Rcr"):  # built with OpenGL
-    OURS |= {"GlShapeFunctor": {"Gl1_Rcr"}, "GlIGeomFunctor": {"Gl1_RcrGeom"},
+    OURS |= {"GlShapeFunctor": {"Gl1_Rcr", "Gl1_RoundedPolygon"}, "GlIGeomFunctor": {"Gl1_RcrGeom"},
              "GlIPhysFunctor": {"Gl1_CdPhys", "Gl1_RcrFrictPhys"}}
 NAMES = set().union(*OURS.values())
 

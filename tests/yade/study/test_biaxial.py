@@ -5,7 +5,6 @@ import functools
 import gzip
 import json
 import math
-import os
 import pathlib
 import random
 import resource
@@ -18,7 +17,6 @@ import forked
 import numpy as np
 import pytest
 import rcr
-import yade.config
 from rcr.network import Network
 from rcr.study import compaction
 from rcr.study.biaxial import Biaxial
@@ -548,18 +546,14 @@ def test_needles_pack_loosely_and_have_not_blown_up(tmp_path):
 
 @pytest.mark.parametrize("particles", [2000, pytest.param(8000, marks=pytest.mark.slow)])
 def test_memory_is_linear_in_the_grains(particles, tmp_path):
-    """The collapse of discs has the most points; Debian's YADE 2025.2.0 itself takes 270 MB.
-
-    A test of 100 grains has the memory of another YADE.
-    """
+    """The collapse of discs has the most points. A test of 100 grains has the memory of YADE."""
     def peak(count):
         out = tmp_path / str(count)
         script("--eta", "0", "--particles", count, "--strain", "0.001", "--networks", "1",
                "--out", out)
         return json.loads((out / "summary.json").read_text())["peak_memory_bytes"]
 
-    known = yade.config.version == "2025.2.0" and "YADE_PREFIX" not in os.environ
-    assert peak(particles) < (270e6 if known else peak(100)) + 20e3 * particles
+    assert peak(particles) < peak(100) + 18e3 * particles
 
 
 @pytest.mark.slow
