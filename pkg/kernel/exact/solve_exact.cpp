@@ -98,7 +98,7 @@ Report sweepForExactSteps(ContactProblem& problem, const Settings& settings, Wor
 }
 
 Report solveExact(ContactProblem& problem, const Settings& settings, const Report& swept,
-        Workspace& workspace)
+        Workspace& workspace, int cost)
 {
 	// impulses before the last sweeps or step, to detect divergence
 	std::vector<LocalVector> before;
@@ -130,8 +130,8 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 		remember();
 		const std::vector<LocalVector> reference = problem.impulse;
 		const double  softest = softestParameter(rho);
-		const PathEnd end     = proximalStep(problem, proximal, rho, left() / settings.exactCost);
-		report.iterations += settings.exactCost * (1 + end.pivots);
+		const PathEnd end     = proximalStep(problem, proximal, rho, left() / cost);
+		report.iterations += cost * (1 + end.pivots);
 		if (mustYield()) return report.plusCostOf(swept);
 		// a step about a reference shortens its smoothest error by 1 + ρ/condition
 		updateVelocity(problem);
@@ -144,10 +144,8 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 		best.offer(next, settings);
 		if (!end.complete && left() > 0) {
 			const int most    = std::min(repairSweeps + pivotSweeps * end.pivots, left());
-			Settings  again   = settings;
-			again.sameProblem = true;
 			remember();
-			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
+			report.iterations += sweep(problem, settings, 0, most, workspace).iterations;
 			if (settings.mayYield() && mustYield()) return report.plusCostOf(swept);
 		}
 	}

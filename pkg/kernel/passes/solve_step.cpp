@@ -70,12 +70,11 @@ static Settings firstPass(const Call& call, const YieldBounds& bounds)
 /// A further pass corrects a few contacts. The residual over all contacts would not show them, so
 /// the pass runs at least ten sweeps. All passes share the iterations of the step, except for fine
 /// tolerances.
-static Settings nextPass(const Call& call, Settings s, Outcome outcome)
+static Settings nextPass(const Call& call, Settings s)
 {
 	if (s.tolerance >= fineTolerance)
 		s.maxIterations = std::max(s.maxIterations - call.result.iterations, sweepsAllowed);
 	s.minIterations = std::min(sweepsOfNextPass, s.maxIterations);
-	s.sameProblem   = outcome != Outcome::contactsAdded;
 	return s;
 }
 
@@ -169,7 +168,7 @@ solveStep(Step& step, const StepSettings& settings, const StepHost& host, Worksp
 			bounds = yieldBoundsOf(step, workspace.team());
 			if (bounds.driveSpeed > 0) base = firstPass(call, bounds);
 		}
-		now = nextPass(call, base, outcome);
+		now = nextPass(call, base);
 	}
 	if (spansHalfCell(step)) call.result.converged = false;
 	host.check();

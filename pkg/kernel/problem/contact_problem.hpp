@@ -36,6 +36,7 @@
 // Source: Moreau 1999 (contact dynamics); Jean 1999; De Saxcé and Feng 1998 (residual.hpp).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -166,6 +167,13 @@ struct ContactProblem {
 		return v.x != 0 || v.y != 0 || v.rotation != 0;
 	}
 };
+
+/// Returns true if a point has rolling resistance.
+inline bool rolls(const ContactProblem& problem)
+{
+	return std::any_of(problem.points.begin(), problem.points.end(),
+	        [](const ContactPoint& c) { return c.rolls(); });
+}
 
 /// Largest speed of driven motion at a contact point, of bodies and of periodic images [m/s].
 double drivenSpeed(const ContactProblem&);

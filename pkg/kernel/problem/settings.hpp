@@ -11,14 +11,9 @@
 
 namespace rcr {
 
-struct Settings {
-	double tolerance     = 1e-4; // residual at which to stop [-]; 0: never
-	int    maxIterations = 1000; // sweeps over all points
-	int    minIterations = 0;    // sweeps before any other criterion may stop the solver
-	int    checkInterval = 10;   // sweeps between two evaluations of the stop criteria
-	int    threads       = 1;
-	int    lanes         = 0; // kernels: scalar (1), AVX2 (4), the processor's widest (8, 0)
-	int    stallSweeps   = 0; // stops after so many sweeps without a new lowest residual; 0: never
+/// Errors at which an island counts as solved.
+struct Tolerances {
+	double tolerance = 1e-4; // residual at which to stop [-]; 0: never
 
 	/// Estimated error at which to stop, together with the residual (error_estimate.hpp) [-].
 	/// IslandShape::goal relaxes it for dense packings with friction. Infinity: no test.
@@ -32,8 +27,29 @@ struct Settings {
 	/// counts as solved, for example bodies that fly together.
 	double roundingVelocity = 0;
 
-	/// Cost of an exact iteration in sweeps, for maxIterations and Report [-].
-	int exactCost = 1;
+	/// Stop criterion of the paper: relative change of the mean normal impulse between two
+	/// evaluations [-]. The solver stops at the criterion that is met first. A warm start meets
+	/// 1e-3 already at a residual of 1e-2. 0: not used.
+	double meanForceChange = 0;
+
+	/// Returns true if residual, velocity error and estimated error meet their limits. Tolerance 0 is
+	/// never met.
+	bool areMet(double residual, double velocityError, double errorEstimate) const
+	{
+		return tolerance > 0 && residual <= tolerance && velocityError <= velocityTolerance
+		        && errorEstimate <= accuracy;
+	}
+};
+
+struct Settings : Tolerances {
+	int maxIterations = 1000; // sweeps over all points
+	int minIterations = 0;    // sweeps before any other criterion may stop the solver
+	int checkInterval = 10;   // sweeps between two evaluations of the stop criteria
+	int stallSweeps   = 0;    // stops after so many sweeps without a new lowest residual; 0: never
+	int threads       = 1;
+	int lanes         = 0; // kernels: scalar (1), AVX2 (4), the processor's widest (8, 0)
+
+	Reductions reductions;
 
 	/// Contacts yield if the step has no solution, or if an impulse exceeds the yield impulse
 	/// (step/yield_bounds.hpp). Compliance 0: contacts never yield.
@@ -46,29 +62,8 @@ struct Settings {
 	/// A solution is known to exist. No contact yields, and no test looks for the lack of one.
 	bool solutionExists = false;
 
-	/// Stop criterion of the paper: relative change of the mean normal impulse between two
-	/// evaluations [-]. The solver stops at the criterion that is met first. A warm start meets
-	/// 1e-3 already at a residual of 1e-2. 0: not used.
-	double meanForceChange = 0;
-
-	Reductions reductions;
-
-	/// Settings of the sweeps of an island; null: these settings with the island's goal.
-	Settings (*ofIsland)(const Settings&, const IslandShape&) = nullptr;
-
-	/// The workspace solved this problem last; only biases and impulses may differ. Its packed data
-	/// are reused, and the problem is not checked. A new workspace loads the problem despite this.
-	bool sameProblem = false;
-
 	bool mayYield() const { return yielding.compliance > 0 && !solutionExists; }
 
-	/// Returns true if residual, velocity error and estimated error meet their limits. Tolerance 0 is
-	/// never met.
-	bool areMet(double residual, double velocityError, double errorEstimate) const
-	{
-		return tolerance > 0 && residual <= tolerance && velocityError <= velocityTolerance
-		        && errorEstimate <= accuracy;
-	}
 	/// These settings with the goal of an island as accuracy.
 	Settings forGoalOf(const IslandShape& shape) const
 	{

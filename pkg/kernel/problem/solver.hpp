@@ -98,17 +98,30 @@ constexpr double sorRelaxation = 1.3;
 
 /// Gauss–Seidel: plain (the solver of the paper), or over-relaxed as sor.
 Report solveNlgs(ContactProblem&, const Settings&, Workspace&, double relaxation = 1);
-Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // momentum and restart
+
+/// Settings of an island from those of the problem.
+using IslandSettings = Settings (*)(const Settings&, const IslandShape&);
+
+/// The settings with the island's goal.
+inline Settings settingsForGoal(const Settings& settings, const IslandShape& shape)
+{
+	return settings.forGoalOf(shape);
+}
+
+/// Sweeps with momentum and restart.
+Report solveNesterov(
+        ContactProblem&, const Settings&, Workspace&, IslandSettings = settingsForGoal);
 
 /// Sweeps to a residual of about 1e-5; exact steps then begin (exact/).
 Report sweepForExactSteps(ContactProblem&, const Settings&, Workspace&);
 
 /// Exact steps reach 1e-8 where sweeps stall. `swept` is the report of the sweeps before. Runs at
-/// most maxIterations further iterations.
-Report solveExact(ContactProblem&, const Settings&, const Report& swept, Workspace&);
+/// most maxIterations further iterations. `cost`: of an exact iteration in sweeps, for maxIterations
+/// and the report.
+Report solveExact(
+        ContactProblem&, const Settings&, const Report& swept, Workspace&, int cost = 1);
 
-/// Solves with yielding contacts (sweep/solve_yielding.cpp). The workspace is new or holds this
-/// problem.
+/// Solves with yielding contacts (sweep/solve_yielding.cpp).
 Report solveYielding(ContactProblem&, const Settings&, Workspace&);
 
 /// Sweeps with momentum from the impulses of the problem, with other biases. The workspace must

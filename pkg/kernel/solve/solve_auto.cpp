@@ -48,10 +48,8 @@ Report continueAuto(ContactProblem& problem, const Settings& settings, const Rep
 	const auto     left     = [&] { return settings.maxIterations - report.iterations; };
 	const auto     runExact = [&](const Settings& limits, int iterations, int cost) {
         Settings steps      = limits;
-        steps.sameProblem   = true;
         steps.maxIterations = iterations;
-        steps.exactCost     = cost;
-        report              = solveExact(problem, steps, report, workspace);
+        report              = solveExact(problem, steps, report, workspace, cost);
 	};
 	if (slim) {
 		Settings aim = settings;
@@ -68,7 +66,6 @@ Report continueAuto(ContactProblem& problem, const Settings& settings, const Rep
 			fineIterations = std::min(left(), maxFineWork / points);
 			if (left() > fineIterations && !report.meets(goal)) {
 				Settings sweeps      = goal;
-				sweeps.sameProblem   = true;
 				sweeps.stallSweeps   = patience(points);
 				sweeps.maxIterations = left() - fineIterations;
 				report               = solveNesterov(problem, sweeps, workspace).plusCostOf(report);

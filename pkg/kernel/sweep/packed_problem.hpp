@@ -31,7 +31,6 @@ public:
 	/// Writes the velocities recomputed from the impulses.
 	void storeVelocity(const ContactProblem&, std::vector<PlanarVector>& velocity);
 
-	bool loaded() const { return kernels_ != nullptr; }
 	int  islands() const { return int(layout_.islands().size()); }
 	/// Lists the points of each island as listByKey does.
 	void listPoints(std::vector<std::int32_t>& begin, std::vector<std::int32_t>& points) const;

@@ -12,15 +12,17 @@ static void sweep(PackedIsland& island, Momentum& momentum)
 	momentum.advance(island.sweepMomentum(momentum.beta()));
 }
 
-Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspace& workspace,
+        IslandSettings ofIsland)
 {
-	return solveBySweeps(problem, settings, workspace, [&](PackedIsland& island, IslandStop& stop) {
+	const auto iterate = [&](PackedIsland& island, IslandStop& stop) {
 		Momentum momentum;
 		island.beginMixedPrecision();
 		while (!stop.mustStop())
 			sweep(island, momentum);
 		island.endMixedPrecision();
-	});
+	};
+	return solveBySweeps(problem, settings, workspace, iterate, ofIsland);
 }
 
 void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bias, int sweeps,

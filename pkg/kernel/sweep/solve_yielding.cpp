@@ -47,7 +47,6 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, Workspac
 {
 	constexpr int maxSweeps = 1000;
 	Settings      sweeps    = settings;
-	sweeps.sameProblem      = true;
 	sweeps.tolerance        = 0;
 	sweeps.meanForceChange  = 0;
 	sweeps.minIterations    = 0;
@@ -57,13 +56,14 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, Workspac
 	const double tolerance  = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
 	const double fastest = drivenSpeed(problem), yieldImpulse = settings.yielding.yieldImpulse;
 	const std::vector<ContactPoint> given = problem.points;
+	bool                            isChanged = false;
 	// without friction, the law of a point bounds its impulse even if its block is singular
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		ContactPoint& c = problem.points[k];
 		if (c.friction == 0 || !isSingular(delassus(problem, c))) continue;
 		c.friction           = 0;
 		problem.impulse[k].t = 0;
-		sweeps.sameProblem   = false;
+		isChanged            = true;
 	}
 	// rounding errors of larger impulses would hide those of other contacts
 	for (LocalVector& p : problem.impulse)
@@ -74,8 +74,8 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, Workspac
 		const double recovery  = std::max(problem.recoveryBias[k], -fastest);
 		problem.points[k].bias = std::min(problem.points[k].bias, recovery);
 	}
-	Workspace  frictionless; // keeps the friction of the loaded problem
-	Workspace& used   = sweeps.sameProblem ? workspace : frictionless;
+	Workspace  frictionless; // the position correction goes on with the problem of the workspace
+	Workspace& used   = isChanged ? frictionless : workspace;
 	Report     report = solveBySweeps(
 	        problem, sweeps, used, [&](PackedIsland& island, IslandStop& stop) {
 		        sweepToRest(island, stop, settings.yielding, tolerance);

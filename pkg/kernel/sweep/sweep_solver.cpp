@@ -23,13 +23,16 @@ static double residualOf(const Measures& m, int points, const Settings& settings
 	return m.kinematicError2 < points * rounding * rounding ? 0 : residualFromSums(m);
 }
 
-Settings IslandStop::settingsFor(const PackedIsland& island, const Settings& settings)
+static Settings limited(const PackedIsland& island, Settings settings)
 {
-	Settings own = settings.ofIsland ? settings.ofIsland(settings, island.shape())
-	                                 : settings.forGoalOf(island.shape());
 	if (settings.tolerance > 0 && settings.mayYield() && island.hasYielded())
-		own.maxIterations = std::min(own.maxIterations, sweepsAfterYield);
-	return own;
+		settings.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
+	return settings;
+}
+
+IslandStop::IslandStop(PackedIsland& island, const Settings& settings)
+        : island_(island), stop_(limited(island, settings))
+{
 }
 
 bool IslandStop::mustStop()

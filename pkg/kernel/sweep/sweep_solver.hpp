@@ -29,10 +29,8 @@ struct IslandEnd {
 /// those of half as many sweeps. Impulses are saved every 2ⁱ and 3·2ⁱ intervals.
 class IslandStop {
 public:
-	IslandStop(PackedIsland& island, const Settings& settings)
-	        : island_(island), stop_(settingsFor(island, settings))
-	{
-	}
+	/// `settings`: those of the island.
+	IslandStop(PackedIsland& island, const Settings& settings);
 
 	/// Call before each sweep. Returns true if the sweeps must stop. An island of one point is
 	/// measured after its first sweep, which may solve it.
@@ -46,8 +44,6 @@ private:
 		int    sweeps   = 0;
 		double residual = 0;
 	};
-
-	static Settings settingsFor(const PackedIsland&, const Settings&);
 
 	Criteria measure(); // if floats meet the criteria, measures again in doubles
 	Criteria evaluate(bool atEnd);
@@ -67,18 +63,16 @@ Report reportOf(const std::vector<IslandEnd>&, const Settings&);
 /// Loads the problem, calls iterate(island, stop) for each island, and stores the solution. Small
 /// islands are solved in parallel; large ones follow one by one, each on all threads.
 template <class Iterate>
-Report solveBySweeps(
-        ContactProblem& problem, const Settings& settings, Workspace& workspace, Iterate iterate)
+Report solveBySweeps(ContactProblem& problem, const Settings& settings, Workspace& workspace,
+        Iterate iterate, IslandSettings ofIsland = settingsForGoal)
 {
 	PackedProblem& packed = workspace.packed();
 	Report         report;
 	packed.team.run(settings.threads, [&] {
-		if (settings.sameProblem && packed.loaded()) packed.reload(problem);
-		else
-			packed.load(problem, settings.lanes, settings.reductions);
+		packed.load(problem, settings.lanes, settings.reductions);
 		std::vector<IslandEnd> ends(packed.islands());
 		packed.forEachIsland([&](PackedIsland&& island) {
-			IslandStop stop(island, settings);
+			IslandStop stop(island, ofIsland(settings, island.shape()));
 			iterate(island, stop);
 			ends[island.number()] = stop.end();
 		});
