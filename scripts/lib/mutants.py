@@ -61,11 +61,14 @@ TABLE = {
     ],
     "solve/solve.cpp": [
         ("islands-judged-together", "swept.islands.size() <= 1", "true"),
-        ("keeps-positive-cost", "if (!hasPositiveCost(problem, points.begin()",
-         "if (true || !hasPositiveCost(problem, points.begin()"),
-        ("yielded-for-ever", "std::fill(problem.yielded.begin(), problem.yielded.end(), false);",
-         ""),
-        ("no-cold-start", "problem.impulse.assign(problem.points.size(), {}); // their", "//"),
+    ],
+    "solve/stages.cpp": [
+        ("keeps-positive-cost", "if (hasPositiveCost(problem, points.begin()",
+         "if (false && hasPositiveCost(problem, points.begin()"),
+        ("yielded-for-ever",
+         "std::fill(island.problem.yielded.begin(), island.problem.yielded.end(), false);", ""),
+        ("no-cold-start", "island.problem.impulse.assign(island.problem.points.size(), {});", ""),
+        ("no-verdict", "{ State::solved, confirm },", "{ State::ended, confirm },"),
         ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),
     ],
     "solve/solve_auto.cpp": [
