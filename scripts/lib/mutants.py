@@ -69,7 +69,7 @@ TABLE = {
          "std::fill(island.problem.yielded.begin(), island.problem.yielded.end(), false);", ""),
         ("no-cold-start", "island.problem.impulse.assign(island.problem.points.size(), {});", ""),
         ("no-verdict", "{ State::solved, confirm },", "{ State::ended, confirm },"),
-        ("too-fine-for-sweeps", "exactBelow = 1e-6;", "exactBelow = 1e-12;"),
+        ("too-fine-for-sweeps", "exactBelow     = 1e-6;", "exactBelow     = 1e-12;"),
     ],
     "solve/solve_auto.cpp": [
         ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
