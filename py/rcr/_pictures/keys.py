@@ -40,8 +40,9 @@ def add(ax, frame, key, contacts, scale=None):
         mappable, colors = key
         _add_bar(figure, 0.57, mappable, colors.label, colors.ticks)
     if contacts == "type":
-        tints = TYPES | {"obstacle": OBSTACLE_CONTACT}
-        lines = [Line2D([], [], color=tint, lw=2, label=name) for name, tint in tints.items()]
+        tints, end = TYPES | {"obstacle": OBSTACLE_CONTACT}, "corner" if frame.shapes else "cap"
+        lines = [Line2D([], [], color=tint, lw=2, label=name.replace("cap", end))
+                 for name, tint in tints.items()]
         _add_legend(figure, 0.0, lines)
     elif contacts == "mobilization":
         mappable = ScalarMappable(Normalize(0, 1), MOBILIZATION)

@@ -96,7 +96,7 @@ def test_calls_that_are_refused(call, match):
 
 def test_time_steps_of_no_grain_and_negative_ones():
     build(law="smooth")
-    refused("no Rcr and no Sphere is free", rcr.critical_time_step)
+    refused("no Rcr, Sphere or RoundedPolygon is free", rcr.critical_time_step)
     refused("No TimeStepper", setattr, O, "dt", -1e-3, error=RuntimeError)
 
 
