@@ -1,8 +1,7 @@
 """Areas, extent, porosity and stresses of the grains of a scene or a network. Needs NumPy.
 
 YADE's functions for these quantities support spheres alone; in a scene with Rcrs or polygons they
-print a
-warning that names the function to use. All quantities are in the plane and per unit depth.
+print a warning that names the function to use. All quantities are in the plane and per unit depth.
 
 The argument `what` is None (the present scene of YADE), a Frame, a Network or the path of one, see
 `Frame.of`. A ValueError reports a scene without grains.
@@ -74,5 +73,5 @@ def write_table(path, what=None):
 def _frame(what):
     frame = Frame.of(what)
     if not len(frame.grains["id"]):
-        raise ValueError("the scene holds no Rcr, no Sphere and no RoundedPolygon: there is nothing to measure")
+        raise ValueError("the scene holds no Rcr, Sphere or RoundedPolygon: nothing to measure")
     return frame

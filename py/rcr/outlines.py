@@ -51,7 +51,8 @@ class Outline:
         for corner, before, after in zip(self.core, np.roll(normal, 1), normal):
             turn = np.angle(after / before) % (2 * np.pi)
             pieces = int(np.ceil((count - 1) * turn / np.pi - 1e-9)) if self.radius else 0
-            arcs.append(corner + self.radius * before * np.exp(1j * np.linspace(0, turn, pieces + 1)))
+            turned = before * np.exp(1j * np.linspace(0, turn, pieces + 1))
+            arcs.append(corner + self.radius * turned)
         return np.concatenate(arcs)
 
 
@@ -97,8 +98,8 @@ def _checked(name, corners, radius):
         raise ValueError(f"{name}.corners is not a convex polygon, counter-clockwise")
     reach = np.abs(outline.core).max() + radius
     if abs(reach - 1) > _ROUNDING or not outline.inscribed > 0:
-        raise ValueError(f"{name} reaches {reach:g} from its centre, which lies {outline.inscribed:g} "
-                         "within its sides; expected 1, and a number > 0")
+        given = f"{name} reaches {reach:g} from its centre, which lies {outline.inscribed:g} within"
+        raise ValueError(f"{given} its sides; expected 1, and a number > 0")
     return outline
 
 

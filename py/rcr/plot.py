@@ -44,12 +44,12 @@ def packing(
         By default Axes of a new Figure, ``ax.figure``.
     color : str or (N,) array
         ``orientation``, ``speed``, ``spin``, ``load``, ``pressure``, ``contacts``, ``chain``,
-        ``type`` (Rcr, disc, polygon, clumped), ``shape`` (colours of YADE's view), a colour of Matplotlib,
-        or a number for each grain of ``Frame.of(what)``.
+        ``type`` (Rcr, polygon, …), ``shape`` (colours of YADE's view), a colour of Matplotlib, or a
+        number for each grain of ``Frame.of(what)``.
     contacts : str, optional
         By default contacts are not drawn. Segments join centre, contact and centre; their width
         shows the normal force. Their colour shows the ``force`` (black above the mean, red up to
-        it), the ``type`` (cap-cap or corner-corner, cap-side, side-side) or the ``mobilization`` |f_t|/(µ f_n), for
+        it), the ``type`` (cap-cap, cap-side, side-side) or the ``mobilization`` |f_t|/(µ f_n), for
         which a ValueError reports contacts of unknown µ.
     range : (float, float), optional
         Numbers at the ends of the colour scale; by default the smallest and the largest.

@@ -39,15 +39,15 @@ class Table:
         [m], ``center`` (N, 2) centre of mass of the grain or its clump at the time of the forces
         [m], ``angle`` (N,) from x to the long axis, or of the corners of a polygon [rad], ``R``
         (N,), ``cap_radius`` (N,) R′, ``half_length`` (N,) R − R′ [m], ``shape`` (N,) row in
-        `shapes`, −1 without a polygon, ``mass`` (N,) [kg/m], ``velocity`` (N, 3) [m/s, m/s, 1/s], ``color`` (N, 3) in
-        YADE's view.
+        `shapes`, −1 without a polygon, ``mass`` (N,) [kg/m], ``velocity`` (N, 3)
+        [m/s, m/s, 1/s], ``color`` (N, 3) in YADE's view.
     contacts : dict of arrays
         ``body1``, ``body2``, ``type`` (C,) 0 cap-cap, 1 cap-side, 2 side-side, 3 with an obstacle
-        or fixed grain; a cap is also a corner of a polygon,
-        ``points`` (C,) 1 or 2, ``position`` (C, 2) of the resultant [m], ``normal`` (C, 2),
-        ``force`` (C, 2) [N/m], ``branch`` (C, 2) from the centre of body 1 to that of body 2, at an
-        obstacle to the position [m], ``friction`` (C,) µ or NaN if unknown, ``point_moments``
-        (C, 2, 2) Σ f ⊗ (x − position) over the contact points x [N].
+        or fixed grain; a corner of a polygon is a cap. ``points`` (C,) 1 or 2, ``position`` (C, 2)
+        of the resultant [m], ``normal`` (C, 2), ``force`` (C, 2) [N/m], ``branch`` (C, 2) from the
+        centre of body 1 to that of body 2, at an obstacle to the position [m], ``friction`` (C,) µ
+        or NaN if unknown, ``point_moments`` (C, 2, 2) Σ f ⊗ (x − position) over the contact points
+        x [N].
     shapes : list of `rcr.outlines.Outline`
         Outlines of polygons, over their R.
     walls : dict of arrays

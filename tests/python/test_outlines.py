@@ -95,7 +95,8 @@ def test_unions_are_those_of_points(count):
 def test_two_squares_share_a_square():
     shapes, cap = [regular(4)], np.sqrt(0.5)
     grains = dict(position=np.array([[0, 0], [1, 1]]) * np.sqrt(0.5), angle=np.full(2, np.pi / 4),
-                  half_length=np.full(2, 1 - cap), cap_radius=np.full(2, cap), shape=np.zeros(2, int))
+                  half_length=np.full(2, 1 - cap), cap_radius=np.full(2, cap),
+                  shape=np.zeros(2, int))
     area, center, _ = geometry.union(grains, shapes)
     assert area == pytest.approx(2 + 2 - 0.5, rel=1e-12)  # sides √2, shifted by half a side
     assert center == pytest.approx(np.full(2, np.sqrt(0.5) / 2), abs=1e-12)
@@ -188,14 +189,14 @@ def test_files_without_polygons_have_no_shapes(tmp_path):
 
 
 @pytest.mark.parametrize("name, change, says", [
-    ("particles/shape", put(0, 2), r"particles/shape\[0\] = 2; expected −1, or a row of the 2 shapes"),
-    ("particles/shape", put(0, 1), r"particles/cap_radius\[0\] = 0.70.*; expected the inscribed radius"),
+    ("particles/shape", put(0, 2), r"shape\[0\] = 2; expected −1, or a row of the 2 shapes"),
+    ("particles/shape", put(0, 1), r"cap_radius\[0\] = 0.70.*; expected the inscribed radius"),
     ("particles/shape", put(1, -2), r"particles/shape\[1\] = -2; expected −1, or a row"),
-    ("shapes/count", put(0, 5), r"shapes/corners has 10 rows; expected 11, the sum of shapes/count"),
+    ("shapes/count", put(0, 5), r"corners has 10 rows; expected 11, the sum of shapes/count"),
     ("shapes/count", put(0, 0), r"shapes/count\[0\] = 0; expected 1 to 64 corners"),
     ("shapes/count", put(0, 99), r"shapes/count\[0\] = 99; expected 1 to 64 corners"),
     ("shapes/count", None, "group 'shapes' lacks count"),
-    ("shapes/radius", put(1, -0.1), r"shapes\[1\].radius = -0.1; expected a rounding radius from 0"),
+    ("shapes/radius", put(1, -0.1), r"shapes\[1\].radius = -0.1; expected a rounding radius"),
     ("shapes/radius", put(1, 0.3), r"shapes\[1\] reaches 1.1 from its centre"),
     ("shapes/radius", lambda c: c[:1], r"shapes/count has shape \(2,\); expected \(1,\)"),
     ("shapes/corners", put((0, 0), np.nan), r"shapes\[0\].corners\[0, 0\] = nan"),

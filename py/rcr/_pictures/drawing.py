@@ -86,7 +86,8 @@ def line_unit(ax, radius):
 def add_grains(ax, grains, shapes, unit, edge="0.5", **style):
     """Add the outlines of grains, with lines of a twentieth of `unit`; return the collection.
 
-    `shapes` are those of `rcr.geometry`. The lines of needles are thinner, at most 0.15 of the mean cap radius.
+    `shapes` are those of `rcr.geometry`. The lines of needles are thinner, at most 0.15 of the mean
+    cap radius.
     """
     wide = min(0.05 * unit, 0.15 * grains["cap_radius"].mean()) if len(grains["id"]) else 0
     style |= dict(edgecolors=edge, linewidths=points_a_metre(ax) * wide)

@@ -51,9 +51,9 @@ def read():
                      for id_, ends in zip(obstacles["id"][pick], corners[pick])]
     solvers = (e for e in O.engines if isinstance(e, ContactDynamics))
     change = _plugin.change_since_end() or "".join(e._change_since_step() for e in solvers)
-    frame = dict(grains=grains, contacts=contacts, shapes=shapes, outlines=outlines, time=O.time, change=change,
+    frame = dict(grains=grains, contacts=contacts, shapes=shapes, outlines=outlines,
                  walls={name: obstacles[name][wall] for name in ("id", "axis", "position")},
-                 run=O.tags["id"])
+                 time=O.time, change=change, run=O.tags["id"])
     if O.periodic:
         cell = np.array(O.cell.hSize)[:2, :2]
         frame |= dict(cell=cell, cell_velocity=np.array(O.cell.velGrad)[:2, :2] @ cell)

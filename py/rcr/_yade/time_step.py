@@ -70,7 +70,8 @@ def critical_time_step(points=6):
         else:
             plates.append(body)
     if not steps:
-        raise ValueError("no Rcr, Sphere or RoundedPolygon is free to move: nothing bounds the time step")
+        raise ValueError("no Rcr, Sphere or RoundedPolygon is free to move: nothing bounds the "
+                         "time step")
     row = math.sqrt(len(steps))
     return min(steps + [_stable_step_of_plate(plate, row, stiffest, heaviest, damping)
                         for plate in plates])

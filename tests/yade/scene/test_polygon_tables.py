@@ -86,7 +86,8 @@ def test_measures_of_a_square():
     weightless(square((1, 2), 0.4, angle=0.3, material=material()))
     assert rcr.measure.areas()[1] == pytest.approx([0.16])
     half = 0.2 * (math.cos(0.3) + math.sin(0.3))
-    assert rcr.measure.extent() == pytest.approx(np.array([[1 - half, 2 - half], [1 + half, 2 + half]]))
+    extent = np.array([[1 - half, 2 - half], [1 + half, 2 + half]])
+    assert rcr.measure.extent() == pytest.approx(extent)
     assert rcr.measure.porosity(volume=1) == pytest.approx(0.84)
     profile = rcr.Profile(cells=(1, 1), limits=((0, 0), (3, 3))).compute()
     assert profile.solid_fraction[0, 0] == pytest.approx(0.16 / 9)
@@ -112,7 +113,7 @@ def test_a_network_of_polygons_returns_from_its_file(tmp_path):
 
 
 def test_a_weight_on_a_corner_and_on_sides():
-    """A square on its side has two points at the floor, on its corner one; forces are its weight."""
+    """A square has two points at the floor on its side, one on its corner; both bear its weight."""
     m = material(0.5)
     for angle, points in ((0, 2), (math.pi / 4, 1)):
         height = 0.1 if points == 2 else 0.1 * math.sqrt(2)
