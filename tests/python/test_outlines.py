@@ -228,9 +228,17 @@ def test_pictures_show_the_outlines():
     corners = SHAPES[0].corners @ [1, 1j] * np.exp(0.3j)
     assert outline[0] @ [1, 1j] == pytest.approx(corners)
     assert len(outline) == 3 and len(outline[2]) > 6
-    figure = rcr.plot.packing(test, color="type", contacts="type").figure
-    names = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-    assert set(names) == {"rcr", "polygon", "corner-corner", "corner-side", "side-side", "obstacle"}
+
+
+def test_corners_are_named_where_all_grains_are_polygons():
+    test = polygon_network()
+    hexagons = Network(test.particles | dict(
+        shape=np.ones(3, int), cap_radius=test.particles["R"] * SHAPES[1].inscribed,
+        half_length=test.particles["R"] * (1 - SHAPES[1].inscribed)), test.contacts, {}, SHAPES)
+    for of, kinds, end in ((test, {"rcr", "polygon"}, "cap"), (hexagons, {"polygon"}, "corner")):
+        figure = rcr.plot.packing(of, color="type", contacts="type").figure
+        names = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+        assert set(names) == kinds | {f"{end}-{end}", f"{end}-side", "side-side", "obstacle"}
 
 
 def test_paraview_gets_the_outlines(tmp_path):

@@ -40,7 +40,8 @@ def add(ax, frame, key, contacts, scale=None):
         mappable, colors = key
         _add_bar(figure, 0.57, mappable, colors.label, colors.ticks)
     if contacts == "type":
-        tints, end = TYPES | {"obstacle": OBSTACLE_CONTACT}, "corner" if frame.shapes else "cap"
+        tints = TYPES | {"obstacle": OBSTACLE_CONTACT}
+        end = "corner" if (frame.grains["shape"] >= 0).all() else "cap"
         lines = [Line2D([], [], color=tint, lw=2, label=name.replace("cap", end))
                  for name, tint in tints.items()]
         _add_legend(figure, 0.0, lines)

@@ -112,6 +112,23 @@ def test_a_network_of_polygons_returns_from_its_file(tmp_path):
     assert imread(picture)[..., :3].std() > 0.05
 
 
+def test_bodies_of_a_network_are_those_of_the_scene():
+    """As on the page of network files."""
+    ids = pour()
+    O.step()
+    network, p = rcr.contact_network(volume=1.1), Frame.of().grains
+    for k, body in enumerate(O.bodies[i] for i in ids):
+        if (shape := network.particles["shape"][k]) < 0:
+            continue
+        outline, R = network.shapes[shape], p["R"][k]
+        twin = rcr.polygon(p["position"][k], R * outline.corners, R * outline.radius, p["angle"][k],
+                           material=body.material)
+        assert corners_of(twin) == pytest.approx(corners_of(body), abs=1e-12)
+        assert twin.shape.radius == pytest.approx(body.shape.radius)
+        assert twin.state.mass == pytest.approx(body.state.mass)
+        assert twin.state.inertia[2] == pytest.approx(body.state.inertia[2])
+
+
 def test_a_weight_on_a_corner_and_on_sides():
     """A square has two points at the floor on its side, one on its corner; both bear its weight."""
     m = material(0.5)
