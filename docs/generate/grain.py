@@ -15,7 +15,7 @@ def grain(ax, x, y, angle=0.0):
     """Draw a grain and its core."""
     one = dict(position=[(x, y)], angle=[angle], cap_radius=[CAP], half_length=[HALF])
     columns = {name: np.array(value, float) for name, value in one.items()}
-    outline = geometry.polygons(columns, 40)
+    outline = geometry.polygons(columns, points=40)
     ax.fill(*outline[0].T, facecolor="0.9", edgecolor="k", lw=1.2)
     end = HALF * np.array([np.cos(angle), np.sin(angle)])
     ax.plot([x - end[0], x + end[0]], [y - end[1], y + end[1]], "k-", lw=0.8)

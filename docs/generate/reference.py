@@ -14,6 +14,7 @@ OUT = pathlib.Path(__file__).resolve().parents[1] / "reference"
 MODULES = {
     "rcr": "Scenes and steps",
     "rcr.scene": "Bodies",
+    "rcr.polygons": "Polygons",
     "rcr.plot": "Pictures",
     "rcr.export": "Files for ParaView",
     "rcr.measure": "Measures",
@@ -24,6 +25,7 @@ MODULES = {
     "rcr.profile": "Fields on a grid",
     "rcr.frame": "A scene as arrays",
     "rcr.table": "Columns of grains and contacts",
+    "rcr.outlines": "Outlines of polygons",
     "rcr.xi_networks": "ξ-networks",
     "rcr.problems": "Contact problems in files",
     "rcr.script": "Options of scripts",
@@ -41,7 +43,7 @@ MODULES = {
 }
 # Headings and the first words of their classes; other classes are engines.
 KINDS = {
-    "Shapes and bounds": ("Rcr", "Bo1"),
+    "Shapes and bounds": ("Rcr", "RoundedPolygon", "Bo1"),
     "Geometry of contacts": ("RcrGeom", "Ig2"),
     "Laws": ("CdPhys", "RcrFrictPhys", "Ip2", "Law2"),
     "Drawing": ("Gl1",),

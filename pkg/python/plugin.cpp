@@ -12,6 +12,7 @@ namespace py = boost::python;
 
 namespace yade {
 boost::python::tuple sceneColumns();
+boost::python::tuple shapeColumns(const boost::python::list&);
 }
 
 namespace {
@@ -151,7 +152,9 @@ BOOST_PYTHON_MODULE(_plugin)
 	py::def("change_since_end", +[] { return lastEnd.change(scene()); },
 	        "What differs from the record of this step; empty: nothing, or no record.");
 	py::def("scene_columns", yade::sceneColumns,
-	        "Rows of grains, contacts and obstacles of the scene, see rcr._yade.scene_arrays.");
+	        "Rows of grains, contacts, obstacles and outlines, see rcr._yade.scene_arrays.");
+	py::def("shape_columns", yade::shapeColumns,
+	        "Rows of lengths of shapes (a list) and of outlines, see rcr._yade.scene_arrays.");
 	py::def("planar_clump", planarClump,
 	        "Join bodies to a clump (ids, x, y, mass, inertia about z); returns its id.");
 }

@@ -31,6 +31,39 @@ struct Rows {
 	}
 };
 
+/// Lengths of grains, and the outlines of their polygons over R, equal ones once.
+class Outlines {
+public:
+	struct Lengths {
+		double half, cap;  // R − R' and R' [m]
+		int    shape = -1; // row of a polygon in the table of outlines
+	};
+
+	Lengths of(const rcr::PlanarShape& grain)
+	{
+		const double R = grain.radius(), inscribed = grain.inscribedRadius();
+		if (grain.kind != rcr::PlanarShape::polygon) return { grain.halfLength, inscribed };
+		const auto core = rcr::coreVertices(grain, {});
+		std::vector<long long> key { digits(grain.rounding / R) };
+		for (const rcr::Vec2 v : core)
+			key.insert(key.end(), { digits(v.x / R), digits(v.y / R) });
+		const auto [known, isNew] = rows.insert({ key, int(rows.size()) });
+		if (isNew) {
+			shapes.add({ std::int64_t(core.size()) }, { grain.rounding / R });
+			for (const rcr::Vec2 v : core)
+				corners.add({ known->second }, { v.x / R, v.y / R });
+		}
+		return { R - inscribed, inscribed, known->second };
+	}
+	Rows shapes, corners;
+
+private:
+	/// Outlines of one shape in several sizes differ by rounding errors.
+	static long long digits(double length) { return std::llround(1e9 * length); }
+
+	std::map<std::vector<long long>, int> rows;
+};
+
 struct Grain {
 	bool      known = false, fixed = false;
 	rcr::Vec2 center; // of mass, of the body or its clump, at the time of the forces [m]
@@ -42,12 +75,12 @@ double angleOf(const State& state)
 }
 
 /// Adds a row if the body is a grain.
-Grain addGrain(Rows& rows, const Body& body, const Scene& scene, double& z)
+Grain addGrain(Rows& rows, Outlines& outlines, const Body& body, const Scene& scene, double& z)
 {
-	const auto* rcr    = dynamic_cast<const Rcr*>(body.shape.get());
-	const auto* sphere = dynamic_cast<const Sphere*>(body.shape.get());
-	if (!rcr && !sphere) return {};
 	const State& state = *body.state;
+	const auto   shape = plane::shapeOf(*body.shape, state, 0);
+	if (!shape.grain()) return {};
+	const auto   lengths = outlines.of(shape);
 	const bool   clump = body.clumpId >= 0;
 	const State& whole = clump ? *(*scene.bodies)[body.clumpId]->state : state;
 	const auto   fixed = State::DOF_X | State::DOF_Y | State::DOF_RZ;
@@ -55,13 +88,11 @@ Grain addGrain(Rows& rows, const Body& body, const Scene& scene, double& z)
 	const Grain  grain { true, (whole.blockedDOFs & fixed) == fixed, plane::toPlane(center) };
 	const auto&  color = body.shape->color;
 	z                  = double(state.pos.z());
-	rows.add({ body.id, clump ? body.clumpId : -1, grain.fixed },
-	        { double(state.pos.x()), double(state.pos.y()), angleOf(state),
-	                rcr ? double(rcr->halfLength) : 0.0,
-	                double(rcr ? rcr->capRadius : sphere->radius), double(whole.mass),
-	                double(state.vel.x()), double(state.vel.y()), double(state.angVel.z()),
-	                double(color[0]), double(color[1]), double(color[2]), grain.center.x,
-	                grain.center.y });
+	rows.add({ body.id, clump ? body.clumpId : -1, grain.fixed, lengths.shape },
+	        { double(state.pos.x()), double(state.pos.y()), angleOf(state), lengths.half,
+	                lengths.cap, double(whole.mass), double(state.vel.x()), double(state.vel.y()),
+	                double(state.angVel.z()), double(color[0]), double(color[1]), double(color[2]),
+	                grain.center.x, grain.center.y });
 	return grain;
 }
 
@@ -161,20 +192,38 @@ void addContact(Rows& rows, const Interaction& contact, const std::vector<Grain>
 
 } // namespace
 
-/// Rows of grains, contacts and obstacles, each as bytes of whole numbers and of doubles.
+/// Rows of grains, contacts, obstacles, outlines and their corners, each as bytes of whole numbers
+/// and of doubles.
 py::tuple sceneColumns()
 {
 	const Scene&       scene = *Omega::instance().getScene();
 	Rows               grainRows, contactRows, obstacleRows;
+	Outlines           outlines;
 	std::vector<Grain> grains(scene.bodies->size());
 	double             z = 0;
 	for (const auto& body : *scene.bodies)
-		if (body && body->shape) grains[body->id] = addGrain(grainRows, *body, scene, z);
+		if (body && body->shape)
+			grains[body->id] = addGrain(grainRows, outlines, *body, scene, z);
 	for (const auto& body : *scene.bodies)
 		if (body && body->shape) addObstacle(obstacleRows, *body, z);
 	for (const auto& contact : *scene.interactions)
 		if (contact->isReal()) addContact(contactRows, *contact, grains, scene);
-	return py::make_tuple(grainRows.bytes(), contactRows.bytes(), obstacleRows.bytes());
+	return py::make_tuple(grainRows.bytes(), contactRows.bytes(), obstacleRows.bytes(),
+	        outlines.shapes.bytes(), outlines.corners.bytes());
+}
+
+/// Rows of half length, cap radius and outline of these shapes of grains, which may be of bodies
+/// outside the scene; outlines and their corners.
+py::tuple shapeColumns(const py::list& shapes)
+{
+	Rows     rows;
+	Outlines outlines;
+	for (int k = 0; k < py::len(shapes); ++k) {
+		const auto shape   = py::extract<shared_ptr<Shape>>(shapes[k])();
+		const auto lengths = outlines.of(plane::shapeOf(*shape, State(), 0));
+		rows.add({ lengths.shape }, { lengths.half, lengths.cap });
+	}
+	return py::make_tuple(rows.bytes(), outlines.shapes.bytes(), outlines.corners.bytes());
 }
 
 } // namespace yade

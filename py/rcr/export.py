@@ -146,11 +146,11 @@ def _in_space(plane):
 def _grain_mesh(frame):
     grains = frame.grains
     at = grains["position"] + frame.wrap(grains["position"])
-    outline = polygons(grains | dict(position=at))
+    outlines = polygons(grains | dict(position=at), frame.shapes)
     stress = frame.grain_stresses()
     normal = frame.normal_force()
     radius, velocity = grains["R"], frame.velocities()
-    copied = ("id", "clump", "angle", "half_length", "cap_radius", "mass", "color")
+    copied = ("id", "clump", "angle", "half_length", "cap_radius", "mass", "color", "shape")
     state = {name: grains[name] for name in copied} | dict(
         fixed=grains["fixed"].astype(int), kind=frame.kinds(), R=radius,
         eta=grains["half_length"] / radius, area=frame.areas(), velocity=_in_space(velocity[:, :2]),
@@ -158,8 +158,14 @@ def _grain_mesh(frame):
         load=frame.per_grain(normal),
         contacts=frame.per_grain(normal > 0).astype(int),
         pressure=0.5 * (stress[:, 0, 0] + stress[:, 1, 1]), stress=stress.reshape(-1, 4))
-    corners = np.arange(outline.shape[0] * outline.shape[1]).reshape(outline.shape[:2])
-    return outline, [("polygon", corners)], {}, {name: [column] for name, column in state.items()}
+    count = np.array([len(outline) for outline in outlines], int)
+    cells, rows, first = [], [], np.cumsum(count) - count
+    for corners in np.unique(count) if len(count) else (3,):  # a block has one number of corners
+        rows.append(np.flatnonzero(count == corners))
+        cells.append(("polygon", first[rows[-1], None] + np.arange(corners)))
+    points = np.concatenate([np.empty((0, 2)), *outlines])
+    return points, cells, {}, {name: [column[of_block] for of_block in rows]
+                               for name, column in state.items()}
 
 
 def _contact_mesh(frame):

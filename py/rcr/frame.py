@@ -5,6 +5,8 @@ Pictures, files for ParaView and measures start from `Frame.of`. `rcr.table` has
 
 import os
 
+import numpy as np
+
 from rcr.network import Network
 from rcr.table import KINDS, Table  # noqa: F401: part of this module's interface
 
@@ -12,12 +14,15 @@ from rcr.table import KINDS, Table  # noqa: F401: part of this module's interfac
 class Frame(Table):
     """The `Table` of the present scene of YADE, or of these attributes.
 
-    ``R`` and ``center`` of the grains have defaults: the radius, and the position.
+    ``R``, ``center`` and ``shape`` of the grains have defaults: the sum of cap radius and half
+    length, the position, and −1.
     """
 
     def __init__(self, grains, contacts, **attributes):
         radius = grains["half_length"] + grains["cap_radius"]
-        self.grains, self.contacts = dict(R=radius, center=grains["position"]) | grains, contacts
+        shape = np.full(len(radius), -1)
+        self.grains = dict(R=radius, center=grains["position"], shape=shape) | grains
+        self.contacts = contacts
         vars(self).update(attributes)
 
     @classmethod

@@ -1,19 +1,25 @@
 """Outlines and areas of grains: extents, polygons, sample points, unions. Needs NumPy.
 
 `grains` is a dict of arrays, one row per grain: ``position`` (N, 2) [m], ``angle`` (N,) from x to
-the long axis [rad], ``half_length`` and ``cap_radius`` (N,) [m]. A disc has the half length 0.
+the long axis [rad], ``half_length`` and ``cap_radius`` (N,) [m]. A disc has the half length 0. The
+optional column ``shape`` (N,) is −1, or the row of a rounded polygon in the list `shapes` of
+`rcr.outlines.Outline`. A polygon has the cap radius R′, the half length R − R′ and the angle of its
+corners.
 """
 
 import numpy as np
+
+from rcr.outlines import distances, sides
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)  # of the integral over x between two kinks
 ON_OUTLINE = 1e-6  # distance from an outline that counts as rounding, over the length of the grain
 
 
-def areas(grains):
+def areas(grains, shapes=()):
     """Return the area of each grain, (N,) [m²]."""
-    r, a = grains["cap_radius"], grains["half_length"]
-    return np.pi * r**2 + 4 * a * r
+    corners, r = _cores(grains, shapes)
+    core = (corners.conj() * np.roll(corners, -1, axis=1)).imag.sum(axis=1) / 2
+    return np.pi * r**2 + sides(corners)[1].sum(axis=1) * r + core  # [Steiner]
 
 
 def _axes(grains):
@@ -24,32 +30,87 @@ def _axes(grains):
     return np.exp(1j * grains["angle"])
 
 
-def half_extents(grains):
-    """Return half the width of each grain along x and along y, (N, 2) [m]."""
-    axis = _axes(grains)
-    along = np.abs(np.column_stack([axis.real, axis.imag]))
-    return grains["half_length"][:, None] * along + grains["cap_radius"][:, None]
+def _shape(grains):
+    """Return the row of each grain in `shapes`, −1 of discs and Rcrs, (N,)."""
+    return grains.get("shape", np.full(len(grains["angle"]), -1))
 
 
-def bounds(grains):
+def _by_shape(grains, shapes):
+    """Yield each polygon of `shapes` that grains have, with the rows of these grains."""
+    shape = _shape(grains)
+    rows = np.argsort(shape, kind="stable")
+    for same in np.split(rows, np.flatnonzero(np.diff(shape[rows])) + 1):
+        if len(same) and shape[same[0]] >= 0:
+            yield shapes[shape[same[0]]], same
+
+
+def _cores(grains, shapes):
+    """Return the corners of the cores from the centres, without rotation, and the rounding radii.
+
+    Corners are complex numbers (N, V) [m]; the last one is repeated if a core has fewer than V.
+    """
+    a, r = grains["half_length"], grains["cap_radius"]
+    shape = _shape(grains)
+    if not (shape >= 0).any():
+        return np.column_stack([-a, a]) + 0j, r
+    most = max(2, *(len(outline.core) for outline in shapes))
+    corners = np.column_stack([-a, *[a] * (most - 1)]) + 0j
+    unit = np.array([np.pad(one.core, (0, most - len(one.core)), "edge") for one in shapes])
+    round_ = np.array([one.radius for one in shapes])
+    polygon, R = shape >= 0, a + r
+    corners[polygon] = R[polygon, None] * unit[shape[polygon]]
+    return corners, np.where(polygon, R * round_[shape], r)
+
+
+def _placed_cores(grains, shapes):
+    """Return the corners of the cores in the plane, complex (N, V), and the rounding radii [m]."""
+    corners, r = _cores(grains, shapes)
+    return corners * _axes(grains)[:, None] + (grains["position"] @ [1, 1j])[:, None], r
+
+
+def boxes(grains, shapes=()):
+    """Return the lower left and the upper right corner of the box of each grain, (2, N, 2) [m]."""
+    corners, r = _cores(grains, shapes)
+    turned = corners * _axes(grains)[:, None]
+    at, r = grains["position"], r[:, None]
+    low, high = (np.column_stack([end(turned.real, axis=1), end(turned.imag, axis=1)])
+                 for end in (np.min, np.max))
+    return np.stack([at + (low - r), at + (high + r)])
+
+
+def bounds(grains, shapes=()):
     """Return the lower left and upper right corner of the box around all grains, (2, 2) [m]."""
-    reach = half_extents(grains)
-    low, high = grains["position"] - reach, grains["position"] + reach
+    low, high = boxes(grains, shapes)
     return np.stack([low.min(axis=0), high.max(axis=0)])
 
 
-def polygons(grains, points=12):
-    """Return the outlines as polygons with `points` vertices per cap, (N, 2 points, 2) [m]."""
+def polygons(grains, shapes=(), points=12):
+    """Return the outlines as a list of N polygons (k, 2) [m].
+
+    Caps and rounded corners have `points` vertices per half circle.
+    """
     half = np.linspace(-np.pi / 2, np.pi / 2, points)
     turn = np.concatenate([half, half + np.pi])
     sign = np.repeat([1, -1], points)
     x = grains["cap_radius"][:, None] * np.cos(turn) + sign * grains["half_length"][:, None]
     y = grains["cap_radius"][:, None] * np.sin(turn)
-    z = (x + 1j * y) * _axes(grains)[:, None]
+    found = list(_in_plane(x + 1j * y, grains))
+    for outline, rows in _by_shape(grains, shapes):
+        same = {name: grains[name][rows]
+                for name in ("position", "angle", "half_length", "cap_radius")}
+        R = same["half_length"] + same["cap_radius"]
+        for row, polygon in zip(rows, _in_plane(R[:, None] * outline.points(points), same)):
+            found[row] = polygon
+    return found
+
+
+def _in_plane(local, grains):
+    """Return points (N, k) from the centres, as complex numbers, in the plane, (N, k, 2) [m]."""
+    z = local * _axes(grains)[:, None]
     return np.stack([z.real, z.imag], axis=-1) + grains["position"][:, None]
 
 
-def samples(grains, count):
+def samples(grains, count, shapes=()):
     """Return points spread evenly over each grain, `count` along and across, and their weights.
 
     The points (N, K, 2) [m] are relative to the centre. The weights (N, K),
@@ -60,20 +121,29 @@ def samples(grains, count):
     u, v = (c.ravel() for c in np.meshgrid(even, even))
     x, y = u * (a + r), v * r
     inside = np.maximum(np.abs(x) - a, 0) ** 2 + y**2 <= r**2
-    turned = (x + 1j * y) * _axes(grains)[:, None]
+    local = x + 1j * y
+    for outline, rows in _by_shape(grains, shapes):
+        core, reach = outline.core, outline.radius * np.array([-1, 1])
+        (left, right), (low, high) = ((part.min(), part.max()) + reach
+                                      for part in (core.real, core.imag))
+        unit = (left + right + (right - left) * u + 1j * (low + high + (high - low) * v)) / 2
+        inside[rows] = distances(unit, core) <= outline.radius
+        local[rows] = (a + r)[rows] * unit
+    turned = local * _axes(grains)[:, None]
     points = np.stack([turned.real, turned.imag], axis=-1)
     return points, inside / inside.sum(axis=1, keepdims=True)
 
 
-def union(grains):
+def union(grains, shapes=()):
     """Return area [m²], centroid (2,) [m] and polar moment about it [m⁴] of the union of grains.
 
     The integral over y is exact. That over x is Gauss's between kinks of the outline of the union.
     """
     origin = grains["position"].mean(axis=0)  # digits of large coordinates would cancel
     grains = dict(grains, position=grains["position"] - origin)
-    at, width = _lines(grains)
-    low, high = _sections(grains, at)
+    corners, r = _placed_cores(grains, shapes)
+    at, width = _lines(corners, r)
+    low, high = _sections(corners, r, at)
     order = np.argsort(low, axis=0)
     low, high = np.take_along_axis(low, order, axis=0), np.take_along_axis(high, order, axis=0)
     # each line: cut every interval to the part above the previous intervals
@@ -91,72 +161,88 @@ def union(grains):
     return area, origin + center, polar
 
 
-def _lines(grains):
+def _lines(corners, r):
     """Return x and weight of vertical lines for an integral over x, (L,) each [m].
 
     Sections are smooth between two kinks. With x = sin t there, they are also smooth at caps.
     """
-    x, reach = grains["position"][:, 0], half_extents(grains)[:, 0]
-    kinks = np.unique(np.concatenate([x - reach, x + reach, _crossings(grains)]))
+    left, right = corners.real.min(axis=1) - r, corners.real.max(axis=1) + r
+    kinks = np.unique(np.concatenate([left, right, _crossings(corners, r)]))
     middle, half = (kinks[1:] + kinks[:-1]) / 2, np.diff(kinks) / 2
     turn = np.exp(1j * np.pi / 2 * _NODES)
     weight = np.pi / 2 * _WEIGHTS * turn.real
     return (middle[:, None] + half[:, None] * turn.imag).ravel(), np.outer(half, weight).ravel()
 
 
-def _crossings(grains):
+def _crossings(corners, r):
     """Return abscissas at which outlines of grains cross on the outline of the union.
 
-    The ends of sides on the outline of the union are included.
+    The ends of sides on the outline of the union are included. Caps are circles of the radius r
+    about the corners.
     """
-    center, axis = grains["position"] @ [1, 1j], _axes(grains)
-    a, r = grains["half_length"], grains["cap_radius"]
-    caps, radii = np.concatenate([center - a * axis, center + a * axis]), np.tile(r, 2)
-    side = r * 1j * axis
-    sides, along = np.concatenate([center - side, center + side]), np.tile(axis, 2)
+    number, most = corners.shape
+    owner = np.arange(number * most) // most
+    caps, radii = corners.ravel(), r[owner]
+    _, length, along = (part.ravel() for part in sides(corners))
+    start = caps - radii * 1j * along
+    size = np.abs(corners - corners.mean(axis=1, keepdims=True)).max(axis=1) + r
+    margin = ON_OUTLINE * size[owner]
 
-    def gap(points, k):
-        """Distances of points from the outlines of grains k, < 0 inside, in lengths of the grain."""
-        local = (points - center[k]) / axis[k]
-        return (np.abs(local - np.clip(local.real, -a[k], a[k])) - r[k]) / (a[k] + r[k])
+    def on_sides(points, k):
+        """Points on the sides k, NaN elsewhere."""
+        along_side = ((points - start[k]) / along[k]).real
+        on = (along_side > -margin[k]) & (along_side < length[k] + margin[k])
+        return np.where(on, points, np.nan)
 
+    rows, columns = np.arange(len(caps))[:, None], np.arange(len(caps))
     with np.errstate(divide="ignore", invalid="ignore"):
         # line and circle: the foot of the centre on the line, and half the chord
-        foot = sides[:, None] + along[:, None] * ((caps - sides[:, None]) / along[:, None]).real
-        half = np.sqrt(radii**2 - np.abs(foot - caps) ** 2) * along[:, None]
+        foot = start[rows] + along[rows] * ((caps - start[rows]) / along[rows]).real
+        half = np.sqrt(radii**2 - np.abs(foot - caps) ** 2) * along[rows]
         # two circles: the foot of the common chord, and half of it
-        way = caps - caps[:, None]
-        share = (1 + (radii[:, None] ** 2 - radii**2) / np.abs(way) ** 2) / 2
-        chord = np.sqrt(radii[:, None] ** 2 - np.abs(share * way) ** 2) * 1j * way / np.abs(way)
-        middle = caps[:, None] + share * way
+        way = caps - caps[rows]
+        share = (1 + (radii[rows] ** 2 - radii**2) / np.abs(way) ** 2) / 2
+        chord = np.sqrt(radii[rows] ** 2 - np.abs(share * way) ** 2) * 1j * way / np.abs(way)
+        middle = caps[rows] + share * way
         # two lines
-        reach = ((sides - sides[:, None]) / along[:, None]).imag
-        lines = sides - along * reach / (along / along[:, None]).imag
-        points = np.stack([foot, foot - half, foot + half, middle - chord, middle + chord, lines])
-        one, two = np.arange(2 * len(r))[:, None] % len(r), np.arange(2 * len(r)) % len(r)
-        apart = np.maximum(np.abs(gap(points, one)), np.abs(gap(points, two)))
-    points = points[apart < ON_OUTLINE]  # not NaN, which marks lines and circles that do not meet
-    outside = gap(points[:, None], np.arange(len(r))).min(axis=1) > -ON_OUTLINE
-    return points[outside].real
+        reach = ((start - start[rows]) / along[rows]).imag
+        lines = start - along * reach / (along / along[rows]).imag
+        lines = on_sides(on_sides(lines, rows), columns)
+        cuts = (on_sides(points, rows) for points in (foot, foot - half, foot + half))
+        points = np.stack([*cuts, middle - chord, middle + chord, lines])
+    met = np.isfinite(points)  # NaN marks lines and circles that do not meet
+    one, two = (np.broadcast_to(owner[k], points.shape)[met] for k in (rows, columns))
+    points = points[met]
+    for _ in range(2):
+        on = np.abs(_gaps(points, corners[one], r[one], size[one])) < ON_OUTLINE
+        points, one, two = points[on], two[on], one[on]
+    inside = np.zeros(len(points), bool)
+    for k in range(number):
+        inside |= _gaps(points, corners[k], r[k], size[k]) < -ON_OUTLINE
+    return points[~inside].real
 
 
-def _sections(grains, x):
+def _gaps(points, corners, r, size):
+    """Return distances of points from outlines, < 0 inside, in lengths of the grains."""
+    return (distances(points, corners) - r) / size
+
+
+def _sections(corners, r, x):
     """Return lower and upper y of each grain on the vertical lines at x (L,), (N, L) each.
 
     A line that misses the grain has ∞ and −∞. The outline is convex, so the extremes over caps and
     sides bound the section.
     """
-    a, r = grains["half_length"][:, None], grains["cap_radius"][:, None]
-    axis = _axes(grains)[:, None]
-    c, s = axis.real, axis.imag
-    along = x - grains["position"][:, :1]
-    ends = []
+    _, lengths, directions = sides(corners)
+    low, high = np.full((len(r), len(x)), np.inf), np.full((len(r), len(x)), -np.inf)
+    r = r[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        for sign in (-1, 1):
-            half = np.sqrt(r**2 - (along - sign * a * c) ** 2)  # of a cap; NaN beside it
-            ends += [sign * a * s - half, sign * a * s + half]
-            core = (along + sign * r * s) / c  # position along the core where the line cuts a side
-            ends.append(np.where(np.abs(core) <= a, core * s + sign * r * c, np.nan))
-    y = grains["position"][:, 1:]
-    low, high = np.fmin.reduce(ends) + y, np.fmax.reduce(ends) + y
-    return np.nan_to_num(low, nan=np.inf), np.nan_to_num(high, nan=-np.inf)
+        for corner, length, along in zip(*(part.T[..., None]
+                                           for part in (corners, lengths, directions))):
+            half = np.sqrt(r**2 - (x - corner.real) ** 2)  # of a cap; NaN beside it
+            start = corner - r * 1j * along
+            way = (x - start.real) / along.real  # along the side to the line
+            side = np.where((way >= 0) & (way <= length), start.imag + way * along.imag, np.nan)
+            low = np.fmin(low, np.fmin(corner.imag - half, side))
+            high = np.fmax(high, np.fmax(corner.imag + half, side))
+    return low, high

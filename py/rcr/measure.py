@@ -1,7 +1,7 @@
 """Areas, extent, porosity and stresses of the grains of a scene or a network. Needs NumPy.
 
-YADE's functions for these quantities support spheres alone; in a scene with Rcrs they print a
-warning that names the function to use. All quantities are in the plane and per unit depth.
+YADE's functions for these quantities support spheres alone; in a scene with Rcrs or polygons they
+print a warning that names the function to use. All quantities are in the plane and per unit depth.
 
 The argument `what` is None (the present scene of YADE), a Frame, a Network or the path of one, see
 `Frame.of`. A ValueError reports a scene without grains.
@@ -17,7 +17,8 @@ from rcr.frame import Frame
 
 def extent(what=None):
     """Return the lower left and upper right corner of the box around all grains, (2, 2) [m]."""
-    return geometry.bounds(_frame(what).grains)
+    frame = _frame(what)
+    return geometry.bounds(frame.grains, frame.shapes)
 
 
 def areas(what=None):
@@ -61,8 +62,8 @@ def write_table(path, what=None):
     vx, vy, spin = grains["velocity"].T
     given = {name: grains[name] for name in ("angle", "half_length", "cap_radius", "mass")}
     columns = dict(id=grains["id"], x=x, y=y, **given, vx=vx, vy=vy, spin=spin,
-                   clump=grains["clump"], fixed=grains["fixed"])  # fmt: skip
-    formats = ["%d" if name in ("id", "clump", "fixed") else "%.17g" for name in columns]
+                   clump=grains["clump"], fixed=grains["fixed"], shape=grains["shape"])  # fmt: skip
+    formats = ["%d" if name in ("id", "clump", "fixed", "shape") else "%.17g" for name in columns]
     table = np.column_stack(list(columns.values()))
     with atomic_path(path) as partial:
         np.savetxt(partial, table, formats, header=" ".join(columns))
@@ -72,5 +73,5 @@ def write_table(path, what=None):
 def _frame(what):
     frame = Frame.of(what)
     if not len(frame.grains["id"]):
-        raise ValueError("the scene holds no Rcr and no Sphere: there is nothing to measure")
+        raise ValueError("the scene holds no Rcr, Sphere or RoundedPolygon: nothing to measure")
     return frame

@@ -19,6 +19,7 @@ import numbers
 
 import numpy as np
 
+from rcr import outlines
 from rcr._data import checks, files, network_attributes, network_columns
 from rcr._data.network_columns import (  # noqa: F401: part of this module's interface
     BOTTOM, CAP_CAP, CAP_SIDE, LEFT, OBSTACLE, OTHER, RIGHT, SIDE_SIDE, TOP,
@@ -42,8 +43,8 @@ class Network(Table, ForceStatistics):
     Parameters
     ----------
     particles : dict of arrays
-        Columns of `Table.grains` without ``fixed`` and ``color``. Optional are ``clump``, by
-        default −1, and ``center``, by default the position.
+        Columns of `Table.grains` without ``fixed`` and ``color``. Optional are ``clump`` and
+        ``shape``, by default −1, and ``center``, by default the position.
     contacts : dict of arrays
         Columns of `Table.contacts`. Optional are ``friction``, by default the attribute, and
         ``point_moments``, by default 0.
@@ -52,6 +53,8 @@ class Network(Table, ForceStatistics):
         ``cell`` (2, 2) edges of a periodic cell as columns [m], ``cell_velocity`` (2, 2) their
         velocities [m/s], ``time`` [s], ``strain`` [-], ``dt`` [s], ``eta`` [-], ``seed``,
         ``version``. Other attributes are numbers, texts, lists of texts or arrays of numbers.
+    shapes : sequence
+        `Table.shapes`, or (corners, radius) of each polygon over its R.
 
     Raises
     ------
@@ -60,11 +63,11 @@ class Network(Table, ForceStatistics):
         a file cannot hold an attribute.
     """
 
-    def __init__(self, particles, contacts, attributes):
+    def __init__(self, particles, contacts, attributes, shapes=()):
         self.attributes = network_attributes.checked(attributes)
         if "position" in particles:
-            clump, center = np.full(len(particles["position"]), -1), particles["position"]
-            particles = dict(clump=clump, center=center) | particles
+            none, center = np.full(len(particles["position"]), -1), particles["position"]
+            particles = dict(clump=none, shape=none, center=center) | particles
         if "body1" in contacts:
             friction = self.attributes.get("friction", math.nan)
             shape = np.shape(contacts["body1"])
@@ -73,7 +76,8 @@ class Network(Table, ForceStatistics):
             contacts = optional | contacts
         self.particles = network_columns.checked("particles", particles)
         self.contacts = network_columns.checked("contacts", contacts)
-        network_columns.check_meaning(self.particles, self.contacts)
+        self.shapes = outlines.checked(shapes)
+        network_columns.check_meaning(self.particles, self.contacts, self.shapes)
 
     @property
     def grains(self):
@@ -110,16 +114,22 @@ class Network(Table, ForceStatistics):
                 if not set(groups) <= set(file):
                     raise ValueError(f"it holds {sorted(file)}; expected the groups {groups}")
                 columns = [network_columns.read(file, group, path) for group in groups]
+                shapes = network_columns.read(file, "shapes", path) if "shapes" in file else {}
                 attributes = {name: value.item() if isinstance(value, np.generic) else value
                               for name, value in file.attrs.items() if name != "stress"}
-            return cls(*columns, attributes)
+            return cls(*columns, attributes, outlines.of_columns(shapes) if shapes else ())
 
     def save(self, path):
         """Save the network to an HDF5 file with a check sum; the write is atomic."""
         from rcr import __version__
 
         def fill(file):
-            for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
+            groups = dict(particles=dict(self.particles), contacts=self.contacts)
+            if (self.particles["shape"] >= 0).any():
+                groups["shapes"] = outlines.columns(self.shapes)
+            else:
+                del groups["particles"]["shape"]
+            for group, columns in groups.items():
                 for column, data in columns.items():
                     file.create_dataset(f"{group}/{column}", data=data)
             stress = {"stress": self.stress()} if "volume" in self.attributes else {}

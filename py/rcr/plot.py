@@ -21,7 +21,8 @@ from rcr._pictures.grain_colors import CATEGORIES, SCALES, grain_colors  # noqa:
 from rcr.frame import Frame
 
 CONTACTS = dict(force="black above the mean force, red up to it, blue in tension",
-                type="blue cap-cap, green cap-side, red side-side, grey with an obstacle",
+                type="blue cap-cap, green cap-side, red side-side, grey with an obstacle; a corner "
+                "of a polygon is a cap",
                 mobilization="dark without friction to yellow where it slides: |f_t|/(µ f_n)")
 
 
@@ -43,8 +44,8 @@ def packing(
         By default Axes of a new Figure, ``ax.figure``.
     color : str or (N,) array
         ``orientation``, ``speed``, ``spin``, ``load``, ``pressure``, ``contacts``, ``chain``,
-        ``type`` (Rcr, disc, clumped), ``shape`` (colours of YADE's view), a colour of Matplotlib,
-        or a number for each grain of ``Frame.of(what)``.
+        ``type`` (Rcr, polygon, …), ``shape`` (colours of YADE's view), a colour of Matplotlib, or a
+        number for each grain of ``Frame.of(what)``.
     contacts : str, optional
         By default contacts are not drawn. Segments join centre, contact and centre; their width
         shows the normal force. Their colour shows the ``force`` (black above the mean, red up to
@@ -66,7 +67,8 @@ def packing(
     """
     frame = Frame.of(what)
     if not (len(frame.grains["id"]) or len(frame.walls["id"]) or frame.outlines):
-        raise ValueError("the scene holds no Rcr, Sphere, Wall, Box or Facet: nothing to draw")
+        raise ValueError("the scene holds no Rcr, Sphere, RoundedPolygon, Wall, Box or Facet: "
+                         "nothing to draw")
     _check_contacts(frame, contacts)
     share = _positive("force_width", force_width, "a width over the thickness 2R′ > 0")
     mean = _positive("reference_force", reference_force, "a normal force > 0 [N/m]")
@@ -122,13 +124,14 @@ def _add_grains(ax, frame, faces, unit):
     grains, fixed = frame.grains, frame.grains["fixed"]
     faces = np.where(fixed[:, None], to_rgba(drawing.OBSTACLE), faces)
     at = grains["position"] + frame.wrap(grains["position"])
-    drawing.add_grains(ax, grains | dict(position=at), unit, "0.25", facecolors=faces)
+    placed, shapes = grains | dict(position=at), frame.shapes
+    drawing.add_grains(ax, placed, shapes, unit, "0.25", facecolors=faces)
     index, shift = _images(frame, at)
     if len(index):
         images = {name: column[index] for name, column in grains.items()}
         images["position"] = at[index] + shift
         style = dict(facecolors=faces[index], alpha=0.3, zorder=0.9)
-        drawing.add_grains(ax, images, unit, "0.6", **style)
+        drawing.add_grains(ax, images, shapes, unit, "0.6", **style)
 
 
 def _images(frame, at):

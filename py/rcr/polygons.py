@@ -1,7 +1,7 @@
 """Bodies with the shape of a rounded convex polygon, in the plane z = 0.
 
-The core is a convex polygon of 1 to 64 corners; the shape is all points within the rounding radius of
-it. R and R′ are its circumscribed and inscribed radius about the centre of mass, η = (R − R′)/R.
+The core is a convex polygon of 1 to 64 corners; the shape is all points within the rounding radius
+of it. R and R′ are its circumscribed and inscribed radius about the centre of mass, η = (R − R′)/R.
 Masses are per unit depth [kg/m]. The functions are also in `rcr`.
 """
 
@@ -94,7 +94,8 @@ def from_outline(points, vertices=8):
     """Return the corners of a convex polygon close to an outline, and its error.
 
     The corners are points of the convex hull. Corners that take away the least area are left out,
-    then each one moves to where the area is largest. A ValueError reports fewer than three points, or points on one line.
+    then each one moves to where the area is largest. A ValueError reports fewer than three points,
+    or points on one line.
 
     Parameters
     ----------

@@ -170,7 +170,7 @@ class Profile:
 
     def _add_grains(self, frame):
         free, grains = ~frame.grains["fixed"], frame.free_grains()
-        arms, weight = geometry.samples(grains, SAMPLES)  # (N, K, 2) and (N, K)
+        arms, weight = geometry.samples(grains, SAMPLES, frame.shapes)  # (N, K, 2) and (N, K)
         place, drift = self._into_cell(frame, grains["position"][:, None] + arms)
         speed, spin = grains["velocity"][:, None, :2], grains["velocity"][:, None, 2:]
         velocity = speed + spin * np.stack([-arms[..., 1], arms[..., 0]], axis=-1) + drift
@@ -242,8 +242,8 @@ def _limits(frame):
         return np.array([[0.0, 0.0], [frame.cell[0, 0], frame.cell[1, 1]]])
     grains = frame.free_grains()
     if not len(grains["id"]):
-        raise ValueError("the scene holds no free Rcr and no free Sphere: nothing to compute")
-    low, high = geometry.bounds(grains)
+        raise ValueError("the scene holds no free Rcr, Sphere or RoundedPolygon: nothing to compute")
+    low, high = geometry.bounds(grains, frame.shapes)
     for free, arm in zip(frame.free_ends(), frame.arms()):
         place = frame.contacts["position"][free]
         places = np.concatenate([place, place - arm[free], [low, high]])

@@ -15,7 +15,7 @@ from yade.wrapper import Body, FrictMat, Omega, Rcr, Sphere
 
 from rcr import _kernel, _plugin, geometry
 from rcr._data import checks
-from rcr._yade.scene_arrays import angle as angle_of, lengths
+from rcr._yade.scene_arrays import GRAINS, angle as angle_of, lengths
 
 O = Omega()
 _number = checks.number
@@ -79,7 +79,7 @@ def disc(
 
 
 def clump(members, mass=None, inertia=None):
-    """Join `Rcr` and `Sphere` bodies into one rigid body and append it to the scene.
+    """Join `Rcr`, `Sphere` and `RoundedPolygon` bodies into one body and append it to the scene.
 
     YADE's ``O.bodies.appendClumped`` makes three-dimensional bodies: with the mass of balls, and
     with principal axes that may leave the plane. The function returns the id of the clump and the
@@ -90,8 +90,8 @@ def clump(members, mass=None, inertia=None):
     Parameters
     ----------
     members : list of Body
-        Bodies of `particle` and `disc`, not yet in the scene. They may overlap. The density is
-        that of the first member's material.
+        Bodies of `particle`, `disc`, `polygon` and so on, not yet in the scene. They may overlap.
+        The density is that of the first member's material.
     mass : float or None
         Mass [kg]; None is density × area of the union of the members.
     inertia : float or None
@@ -99,9 +99,10 @@ def clump(members, mass=None, inertia=None):
         union with this mass.
     """
     members = list(members)
-    grains = [isinstance(b, Body) and isinstance(b.shape, (Rcr, Sphere)) for b in members]
+    grains = [isinstance(b, Body) and isinstance(b.shape, GRAINS) for b in members]
     if not members or not all(grains):
-        raise checks.error("members", members, "at least one body of rcr.particle or rcr.disc")
+        expected = "at least one body of rcr.particle, rcr.disc or rcr.polygon"
+        raise checks.error("members", members, expected)
     for number, state in enumerate(b.state for b in members):
         if state.blockedDOFs != "zXY" or any(state.vel) or any(state.angVel):
             raise ValueError(f"members[{number}] is fixed or moves; block or move the clump "
@@ -110,7 +111,7 @@ def clump(members, mass=None, inertia=None):
         raise ValueError(f"members holds body #{known[0]} of a scene; expected new bodies")
     if len({id(b) for b in members}) < len(members):
         raise ValueError("members holds a body twice; expected each body once")
-    area, (x, y), polar_moment = geometry.union(_outlines_of(members))
+    area, (x, y), polar_moment = geometry.union(*_outlines_of(members))
     given, density = mass is not None, members[0].material.density
     mass = mass if given else density * area
     mass = _number("mass", mass, "a finite mass > 0 [kg]", _positive)
@@ -126,7 +127,7 @@ def clump(members, mass=None, inertia=None):
 
 def union_area(ids):
     """Return the area of the union of grains of the scene [m²]."""
-    return float(geometry.union(_outlines_of([O.bodies[k] for k in ids]))[0])
+    return float(geometry.union(*_outlines_of([O.bodies[k] for k in ids]))[0])
 
 
 def wall(axis, position, sense=0, velocity=0, material=-1):
@@ -262,8 +263,8 @@ def _vector(name, given, expected, expected_component):
 
 
 def _outlines_of(bodies):
-    """Return grains as `rcr.geometry` takes them."""
-    half_length, cap_radius = np.array([lengths(b.shape) for b in bodies]).T.copy()
-    return dict(position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),
-                angle=np.array([angle_of(b.state.ori) for b in bodies]),
-                half_length=half_length, cap_radius=cap_radius)
+    """Return grains and their `shapes` as `rcr.geometry` takes them."""
+    columns, shapes = lengths(b.shape for b in bodies)
+    return columns | dict(
+        position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),
+        angle=np.array([angle_of(b.state.ori) for b in bodies])), shapes

@@ -5,9 +5,11 @@ Everything is in the plane z = 0 and per unit depth.
 
 Conventions
 -----------
-* A grain is a body of the shape `Rcr` or `Sphere` (a disc in the plane). Members of a clump are
-  grains with the id of the clump. An obstacle is a `Wall`, `Box` or `Facet`; a grain with
-  prescribed motion is `fixed`.
+* A grain is a body of the shape `Rcr`, `RoundedPolygon` or `Sphere` (a disc in the plane). Members
+  of a clump are grains with the id of the clump. An obstacle is a `Wall`, `Box` or `Facet`; a grain
+  with prescribed motion is `fixed`.
+* R is the circumscribed radius and R′ the inscribed radius about the centre, that of a cap. Every
+  grain has the elongation η = (R − R′)/R.
 * A contact force acts on body 2 from body 1. The normal points from 1 to 2. Compression is
   positive. An obstacle is body 2, and so is a fixed grain in contact with a free one.
 * A clump moves as one body. Lever arms and branch vectors of its members start at its centre of
@@ -23,7 +25,7 @@ import numpy as np
 from rcr import geometry
 from rcr._data.network_columns import rows
 
-KINDS = ("rcr", "disc", "clumped", "fixed")
+KINDS = ("rcr", "disc", "clumped", "fixed", "polygon")
 NO_WALLS = dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
 
 
@@ -35,15 +37,19 @@ class Table:
     grains : dict of arrays
         ``id`` (N,), ``clump`` (N,) id of the clump or −1, ``fixed`` (N,) bool, ``position`` (N, 2)
         [m], ``center`` (N, 2) centre of mass of the grain or its clump at the time of the forces
-        [m], ``angle`` (N,) from x to the long axis [rad], ``R``, ``half_length``, ``cap_radius``
-        (N,) [m], ``mass`` (N,) [kg/m], ``velocity`` (N, 3) [m/s, m/s, 1/s], ``color`` (N, 3) in
-        YADE's view.
+        [m], ``angle`` (N,) from x to the long axis, or of the corners of a polygon [rad], ``R``
+        (N,), ``cap_radius`` (N,) R′, ``half_length`` (N,) R − R′ [m], ``shape`` (N,) row in
+        `shapes`, −1 without a polygon, ``mass`` (N,) [kg/m], ``velocity`` (N, 3)
+        [m/s, m/s, 1/s], ``color`` (N, 3) in YADE's view.
     contacts : dict of arrays
-        ``body1``, ``body2``, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 with an obstacle or fixed grain,
-        ``points`` (C,) 1 or 2, ``position`` (C, 2) of the resultant [m], ``normal`` (C, 2),
-        ``force`` (C, 2) [N/m], ``branch`` (C, 2) from the centre of body 1 to that of body 2, at an
-        obstacle to the position [m], ``friction`` (C,) µ or NaN if unknown, ``point_moments``
-        (C, 2, 2) Σ f ⊗ (x − position) over the contact points x [N].
+        ``body1``, ``body2``, ``type`` (C,) 0 cap-cap, 1 cap-side, 2 side-side, 3 with an obstacle
+        or fixed grain; a corner of a polygon is a cap. ``points`` (C,) 1 or 2, ``position`` (C, 2)
+        of the resultant [m], ``normal`` (C, 2), ``force`` (C, 2) [N/m], ``branch`` (C, 2) from the
+        centre of body 1 to that of body 2, at an obstacle to the position [m], ``friction`` (C,) µ
+        or NaN if unknown, ``point_moments`` (C, 2, 2) Σ f ⊗ (x − position) over the contact points
+        x [N].
+    shapes : list of `rcr.outlines.Outline`
+        Outlines of polygons, over their R.
     walls : dict of arrays
         ``id``, ``axis`` 0 or 1 of the normal, ``position`` along it [m].
     outlines : list of (id, kind, (k, 2) array)
@@ -60,7 +66,7 @@ class Table:
         Id of YADE's scene, ``O.tags['id']``, which ``O.save`` keeps; empty if unknown.
     """
 
-    walls, outlines, change, run = NO_WALLS, (), "", ""
+    shapes, walls, outlines, change, run = (), NO_WALLS, (), "", ""
     cell = cell_velocity = None
     time = math.nan
 
@@ -102,18 +108,19 @@ class Table:
 
         Members of a clump share the area of their union in proportion to their own areas.
         """
-        own, clump = geometry.areas(self.grains), self.grains["clump"]
+        own, clump = geometry.areas(self.grains, self.shapes), self.grains["clump"]
         for number in np.unique(clump[clump >= 0]):
             members = clump == number
             clumped = {name: column[members] for name, column in self.grains.items()}
-            union, _, _ = geometry.union(clumped)
+            union, _, _ = geometry.union(clumped, self.shapes)
             own[members] *= union / own[members].sum()
         return own
 
     def kinds(self):
         """Return the index of each grain in `KINDS`, (N,)."""
         disc = (self.grains["half_length"] == 0).astype(int)
-        free = np.where(self.grains["clump"] >= 0, 2, disc)
+        single = np.where(self.grains["shape"] >= 0, 4, disc)
+        free = np.where(self.grains["clump"] >= 0, 2, single)
         return np.where(self.grains["fixed"], 3, free)
 
     def normal_force(self):
@@ -252,5 +259,5 @@ class Table:
         low, high = np.quantile(place, (0.01, 0.99), axis=0)
         size = 0.5 * (high - low) + 0.5 * (high - low).max() + 2 * self.mean_radius()
         near = (np.abs(place - 0.5 * (low + high)) <= size).all(axis=1)
-        reach = geometry.half_extents(self.grains)
-        return [(place - reach)[near], (place + reach)[near]]
+        low, high = geometry.boxes(self.grains | dict(position=place), self.shapes)
+        return [low[near], high[near]]

@@ -364,7 +364,7 @@ def test_maps_move_a_periodic_packing_into_its_cell():
 def test_outlines_are_those_of_rounded_cap_rectangles():
     """Vertices have the distance R' from the core; area and extent are those of the shape."""
     p = packing(0.6, particles_=20).particles
-    vertices = polygons(p, points=32) - p["position"][:, None]
+    vertices = np.array(polygons(p, points=32)) - p["position"][:, None]
     axis = np.stack([np.cos(p["angle"]), np.sin(p["angle"])], axis=-1)
     along = np.einsum("nka,na->nk", vertices, axis)
     core = np.clip(along, -p["half_length"][:, None], p["half_length"][:, None])

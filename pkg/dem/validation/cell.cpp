@@ -10,7 +10,7 @@ std::string wallsInCell(const SceneQuery& v)
 	if (!wall) return {};
 	return bodyNames({ wall->getId() })
 	        + " is a Wall in a periodic cell, which has no boundary; remove it, or use rcr.segment or "
-	          "fixed Rcrs.";
+	          "fixed grains.";
 }
 
 std::string cellStress(const SceneQuery& v)
@@ -41,7 +41,7 @@ std::string velocityGradient(const SceneQuery& v)
 	const Body* box = sheared ? v.body<Box>() : nullptr; // YADE ends the process
 	if (!box) return {};
 	return bodyNames({ box->getId() })
-	        + " is a Box in a sheared periodic cell; use rcr.segment or fixed Rcrs, or leave the cell "
+	        + " is a Box in a sheared periodic cell; use rcr.segment or fixed grains, or leave the cell "
 	          "rectangular.";
 }
 

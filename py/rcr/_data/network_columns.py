@@ -9,12 +9,12 @@ CAP_CAP, CAP_SIDE, SIDE_SIDE, OBSTACLE = range(4)  # types of contacts
 
 SHAPES = dict(
     particles=dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(),
-                   velocity=(3,), clump=(), center=(2,)),
+                   velocity=(3,), clump=(), center=(2,), shape=()),
     contacts=dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,),
                   points=(), friction=(), point_moments=(2, 2)),
 )  # fmt: skip
 MOST = 10**8  # largest id; the analysis makes arrays by id
-INTEGERS = {"id", "body1", "body2", "type", "points", "clump"}
+INTEGERS = {"id", "body1", "body2", "type", "points", "clump", "shape"}
 
 
 def checked(group, arrays):
@@ -64,9 +64,9 @@ def read(file, group, path):
     return columns
 
 
-def check_meaning(particles, contacts):
-    """Raise a ValueError unless the columns can be those of a scene."""
-    for group, columns, rules in (("particles", particles, _of_grains(particles)),
+def check_meaning(particles, contacts, shapes):
+    """Raise a ValueError unless the columns and `Outline`s can be those of a scene."""
+    for group, columns, rules in (("particles", particles, _of_grains(particles, shapes)),
                                   ("contacts", contacts, _of_contacts(contacts, particles["id"]))):
         for name, good, expected in rules:
             checks.require(good, f"{group}/{name}", columns[name], expected)
@@ -95,14 +95,20 @@ def _distances_along_normals(particles, contacts):
     return np.einsum("ca,ca->c", branch, contacts["normal"][inner])
 
 
-def _of_grains(p):
+def _of_grains(p, shapes):
     """Return (column, mask of valid rows, what is expected) of the grains."""
-    tips = p["half_length"] + p["cap_radius"]
+    tips, shape = p["half_length"] + p["cap_radius"], p["shape"]
+    known = (shape >= -1) & (shape < len(shapes))
+    inscribed = np.array([outline.inscribed for outline in shapes] + [1.0])  # over R
+    inscribed = np.where(shape >= 0, inscribed[np.where(known, shape, -1)] * tips, p["cap_radius"])
     _, row, count = np.unique(p["id"], return_inverse=True, return_counts=True)
     return [
         *((name, p[name] > 0, "> 0") for name in ("R", "cap_radius", "mass")),
         ("half_length", p["half_length"] >= 0, "≥ 0"),
         ("R", abs(p["R"] - tips) <= 1e-6 * tips, "half_length + cap_radius"),
+        ("shape", known, f"−1, or a row of the {len(shapes)} shapes"),
+        ("cap_radius", abs(p["cap_radius"] - inscribed) <= 1e-6 * tips,
+         "the inscribed radius of its shape, times R"),
         ("id", (p["id"] >= 0) & (p["id"] <= MOST) & (count[row] == 1),
          f"ids from 0 to {MOST:g}, each once"),
         ("clump", ~np.isin(p["clump"], p["id"]) & (p["clump"] >= -1) & (p["clump"] <= MOST),

@@ -83,15 +83,16 @@ def line_unit(ax, radius):
     return min(radius, LARGEST / points_a_metre(ax))
 
 
-def add_grains(ax, grains, unit, edge="0.5", **style):
+def add_grains(ax, grains, shapes, unit, edge="0.5", **style):
     """Add the outlines of grains, with lines of a twentieth of `unit`; return the collection.
 
-    The lines of needles are thinner, at most 0.15 of the mean cap radius.
+    `shapes` are those of `rcr.geometry`. The lines of needles are thinner, at most 0.15 of the mean
+    cap radius.
     """
     wide = min(0.05 * unit, 0.15 * grains["cap_radius"].mean()) if len(grains["id"]) else 0
     style |= dict(edgecolors=edge, linewidths=points_a_metre(ax) * wide)
-    corners = 30 if len(grains["id"]) < 1000 else 12  # per cap
-    outlines = PolyCollection(polygons(grains, corners), **style)
+    corners = 30 if len(grains["id"]) < 1000 else 12  # per half circle
+    outlines = PolyCollection(polygons(grains, shapes, corners), **style)
     return ax.add_collection(outlines, autolim=False)
 
 

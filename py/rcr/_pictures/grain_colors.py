@@ -14,7 +14,7 @@ from rcr.force_chains import force_chains
 
 # pale hues of an angle, on which black and red forces stand out
 HUES = ListedColormap(1 - 0.5 * (1 - matplotlib.colormaps["hsv"](np.linspace(0, 1, 256))), "hues")
-KIND_COLORS = ("#8fb3d9", "#f0c87a", "#9ccf9c", "#a6a6a6")  # of `rcr.frame.KINDS`
+KIND_COLORS = ("#8fb3d9", "#f0c87a", "#9ccf9c", "#a6a6a6", "#d9a0c4")  # of `rcr.frame.KINDS`
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Scale:
 
 
 def _orientation(frame):
-    """Return the angle of the long axis [°], masked for discs."""
+    """Return the angle of the long axis or of the corners [°], masked for discs."""
     disc = frame.grains["half_length"] == 0
     return np.ma.masked_where(disc, np.degrees(frame.grains["angle"]) % 180)
 
@@ -43,7 +43,7 @@ def _chain_length(frame):
 
 ANGLES = (0, 45, 90, 135, 180)
 SCALES = dict(
-    orientation=Scale("long axis from $x$ [°]", _orientation, HUES, (0, 180), ANGLES),
+    orientation=Scale("angle from $x$ [°]", _orientation, HUES, (0, 180), ANGLES),
     speed=Scale("speed [m/s]", lambda f: np.hypot(*f.velocities()[:, :2].T)),
     spin=Scale("angular velocity [1/s]", lambda f: f.grains["velocity"][:, 2], "coolwarm"),
     load=Scale("sum of normal forces [N/m]", lambda f: f.per_grain(f.normal_force()), "magma_r"),
@@ -52,7 +52,7 @@ SCALES = dict(
     contacts=Scale("number of contacts with a force",
                    lambda f: f.per_grain(f.normal_force() > 0), "YlGnBu"),
     chain=Scale("grains in the force chain", _chain_length, "autumn_r"))
-CATEGORIES = dict(type="Rcr, disc, member of a clump",
+CATEGORIES = dict(type="Rcr, disc, polygon, member of a clump",
                   shape="the colours of YADE's view, `particle(…, color=…)`")
 
 

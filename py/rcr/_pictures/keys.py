@@ -41,7 +41,9 @@ def add(ax, frame, key, contacts, scale=None):
         _add_bar(figure, 0.57, mappable, colors.label, colors.ticks)
     if contacts == "type":
         tints = TYPES | {"obstacle": OBSTACLE_CONTACT}
-        lines = [Line2D([], [], color=tint, lw=2, label=name) for name, tint in tints.items()]
+        end = "corner" if (frame.grains["shape"] >= 0).all() else "cap"
+        lines = [Line2D([], [], color=tint, lw=2, label=name.replace("cap", end))
+                 for name, tint in tints.items()]
         _add_legend(figure, 0.0, lines)
     elif contacts == "mobilization":
         mappable = ScalarMappable(Normalize(0, 1), MOBILIZATION)

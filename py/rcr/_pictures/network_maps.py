@@ -27,7 +27,8 @@ def _grains(network, ax, colors, edge="0.5"):
     """Draw the grains within their periodic cell."""
     at = network.grains["position"]
     grains = network.grains | dict(position=at + network.wrap(at))
-    drawing.add_grains(ax, grains, network.mean_radius(), edge, facecolors=colors)
+    drawing.add_grains(
+        ax, grains, network.shapes, network.mean_radius(), edge, facecolors=colors)
 
 
 def _forces(network, ax):

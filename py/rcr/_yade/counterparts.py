@@ -1,4 +1,7 @@
-"""Warnings of YADE's functions for spheres in scenes with Rcrs. Each names the function to use."""
+"""Warnings of YADE's functions for spheres in scenes with other grains.
+
+Each names the function to use.
+"""
 
 import functools
 import sys
@@ -6,7 +9,9 @@ import warnings
 
 import yade.wrapper
 from yade import export, utils
-from yade.wrapper import Omega, Rcr, Sphere
+from yade.wrapper import Omega, Rcr, RoundedPolygon
+
+from rcr._yade.scene_arrays import GRAINS
 
 COUNTERPARTS = {  # function of rcr: functions of yade.utils and yade.export, and classes
     "rcr.particle (new grains)": ["growParticle", "growParticles"],
@@ -31,6 +36,8 @@ COUNTERPARTS = {  # function of rcr: functions of yade.utils and yade.export, an
     "rcr.export.VtkSeries": ["VTKRecorder"],
 }  # fmt: skip
 
+_OTHER = {Rcr: "Rcrs", RoundedPolygon: "polygons"}  # grains that are no spheres
+
 
 def install():
     """Add the warnings, also to names that the running script has already imported."""
@@ -51,16 +58,17 @@ def install():
 
 
 def _warning(original, name, counterpart):
-    """Return a function that warns in scenes with Rcrs and calls `original`."""
+    """Return a function that warns in scenes with Rcrs or polygons and calls `original`."""
     if hasattr(original, "__wrapped__"):  # an earlier import has added the warning
         return original
-    fault = "is written for spheres and wrong for the Rcrs of this scene"
+    fault = "is written for spheres and wrong for the {} of this scene"
     fault_of = _fault_of_stress if name == "getStress" else lambda *_, **__: fault
 
     @functools.wraps(original)
     def wrapped(*arguments, **options):
-        if any(isinstance(body.shape, Rcr) for body in Omega().bodies):
-            if found := fault_of(*arguments, **options):
+        shapes = {type(body.shape) for body in Omega().bodies}
+        if grains := [text for shape, text in _OTHER.items() if shape in shapes]:
+            if found := fault_of(*arguments, **options).format(" and ".join(grains)):
                 warnings.warn(f"rcr: {name} {found}; use {counterpart}", stacklevel=2)
         return original(*arguments, **options)
 
@@ -75,7 +83,7 @@ def _fault_of_stress(volume=0):
     """
     O = Omega()
     for body in O.bodies:
-        grain = isinstance(body.shape, (Rcr, Sphere)) and not body.isClumpMember
+        grain = isinstance(body.shape, GRAINS) and not body.isClumpMember
         if not grain or {"x", "y", "Z"}.issubset(body.state.blockedDOFs):
             return "is wrong for contacts with obstacles and members of clumps"
     if volume > 0:

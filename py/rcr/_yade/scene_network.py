@@ -16,10 +16,11 @@ O = Omega()
 def contact_network(walls=None, volume=None, **attributes):
     """Return the Network of the last step, under any law: one row per pair in compression.
 
-    Grains are the free and clumped `Rcr` and `Sphere` bodies. Obstacles are walls, boxes, facets
-    and grains with prescribed motion. An obstacle is always body 2 and has a negative id; contacts
-    between obstacles are left out. Positions, branch vectors and normals belong to the time of the
-    forces, before the step moved the bodies. Contacts in tension are left out with a warning.
+    Grains are the free and clumped bodies of the shape `Rcr`, `Sphere` or `RoundedPolygon`.
+    Obstacles are walls, boxes, facets and grains with prescribed motion. An obstacle is always body
+    2 and has a negative id; contacts between obstacles are left out. Positions, branch vectors and
+    normals belong to the time of the forces, before the step moved the bodies. Contacts in tension
+    are left out with a warning.
 
     A ValueError says that no grain is free, or that an argument is invalid. It also says that O.dt,
     a velocity or a place has changed since the last step.
@@ -43,7 +44,7 @@ def contact_network(walls=None, volume=None, **attributes):
     frame = Frame.of_scene()
     frame.check_unchanged()
     if frame.grains["fixed"].all():
-        raise ValueError("the scene holds no free Rcr and no free Sphere, so it has no network")
+        raise ValueError("the scene holds no free Rcr, Sphere or RoundedPolygon, so it has no network")
     codes = {}
     if walls is not None:
         codes, box_area = _box(walls)
@@ -54,7 +55,7 @@ def contact_network(walls=None, volume=None, **attributes):
     if volume is not None:
         attributes["volume"] = volume
     attributes = dict(time=O.time, dt=O.dt, **attributes)
-    return Network(_grains(frame), _contacts(frame, codes), attributes)
+    return Network(_grains(frame), _contacts(frame, codes), attributes, frame.shapes)
 
 
 def _grains(frame):

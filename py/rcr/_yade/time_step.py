@@ -7,11 +7,11 @@ import numpy as np
 from yade.minieigenHP import Vector3
 from yade.wrapper import (
     Box, Facet, FrictPhys, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
-    Law2_RcrGeom_FrictPhys_CundallStrack, NewtonIntegrator, Omega, Rcr, Sphere,
+    Law2_RcrGeom_FrictPhys_CundallStrack, NewtonIntegrator, Omega,
 )  # fmt: skip
 
 from rcr._data import checks
-from rcr._yade.scene_arrays import lengths
+from rcr._yade.scene_arrays import GRAINS, lengths
 
 O = Omega()
 
@@ -24,6 +24,8 @@ def critical_time_step(points=6):
 
         ω_n² = 2 z k_n max(1/m, a²/I),   ω_s² = 2 z k_s max(1/m, R²/I),   z = `points`.
 
+    The largest lever arm a of a normal force is the half length of an Rcr. For a polygon it is the
+    largest distance, along a side, of a corner of this side from the centre.
     A clump has mass and inertia of its own, `points` contact points of each member, and a and R up
     to its furthest core end and surface. A wall, box or facet that can move has √N contact points,
     with N the number of grains, or its present number if that is larger.
@@ -56,7 +58,7 @@ def critical_time_step(points=6):
     steps, plates, stiffest, heaviest = [], [], 0.0, 0.0
     for body in O.bodies:
         members = [O.bodies[k] for k in body.shape.members] if body.isClump else [body]
-        grain = all(isinstance(member.shape, (Rcr, Sphere)) for member in members)
+        grain = all(isinstance(member.shape, GRAINS) for member in members)
         if body.isClumpMember or body.state.blockedDOFs == "xyzXYZ":
             continue
         if not all(member.shape and member.material for member in members):
@@ -68,7 +70,8 @@ def critical_time_step(points=6):
         else:
             plates.append(body)
     if not steps:
-        raise ValueError("no Rcr and no Sphere is free to move: nothing bounds the time step")
+        raise ValueError("no Rcr, Sphere or RoundedPolygon is free to move: nothing bounds the "
+                         "time step")
     row = math.sqrt(len(steps))
     return min(steps + [_stable_step_of_plate(plate, row, stiffest, heaviest, damping)
                         for plate in plates])
@@ -99,7 +102,8 @@ def _stiffnesses(loops):
         return max(values, default=None)
 
     def stiffness(body):
-        kn = body.material.young * sum(lengths(body.shape))
+        _, R = _arms(body.shape)
+        kn = body.material.young * R
         own = dict(kn=kn, ks=kn * body.material.poisson)
         future = []
         for name in own:
@@ -117,14 +121,19 @@ def _stable_step(body, members, kn, ks, points, damping):
         raise ValueError(f"{given}; expected kn > 0 and ks ≥ 0 [N/m]")
     m, inertia = body.state.mass, body.state.inertia[2]
     offsets = [(member.state.pos - body.state.pos).norm() for member in members]
-    shapes = [lengths(member.shape) for member in members]
-    a = max(d + half for d, (half, _) in zip(offsets, shapes))
-    R = max(d + sum(shape) for d, shape in zip(offsets, shapes))
+    a, R = (offsets + np.array([_arms(member.shape) for member in members]).T).max(axis=1)
     z = points * len(members)
     normal = math.sqrt(2 * z * kn * max(1 / m, a * a / inertia))
     shear = math.sqrt(2 * z * ks * max(1 / m, R * R / inertia))
     ratio = damping * normal / math.sqrt(2 * kn / m)
     return min(_leapfrog_step(normal, ratio), 2 / shear if shear > 0 else math.inf)
+
+
+def _arms(shape):
+    """Return the largest lever arms of a normal force and of a tangential one on a grain [m]."""
+    grain, shapes = lengths([shape])
+    half, R = grain["half_length"][0], grain["half_length"][0] + grain["cap_radius"][0]
+    return (R * shapes[0].normal_arm if shapes else half), R
 
 
 def _stable_step_of_plate(body, row, stiffness, grain_mass, damping):

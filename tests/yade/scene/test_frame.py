@@ -510,7 +510,7 @@ ORDER = "are at x = .*; expected the order left, bottom, right, top"
 def test_scenes_without_a_free_grain_walls_that_are_no_box_and_volumes_out_of_range():
     build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 2),
           rcr.particle((0.2, 0.5), 0.1, 0.5, fixed=True, material=material()))
-    refused("no free Rcr and no free Sphere", rcr.contact_network)
+    refused("no free Rcr, Sphere or RoundedPolygon", rcr.contact_network)
     O.bodies.append(rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
     for walls in (0, 1), (0, 1, 2, 99), (1, 0, 3, 2), "box", (0, 1, 2, 4):
         refused(NO_BOX, rcr.contact_network, walls)

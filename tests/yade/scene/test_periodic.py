@@ -175,7 +175,7 @@ def test_problems_of_a_deforming_cell_are_not_saved(tmp_path):
      r"sheared, so that radii count [89][\d.]* times: O\.cell\.flipCell"),
     (lambda: (O.bodies.append(utils.box((1, 0.2, 0), (0.1, 0.1, 0.1), fixed=True)), steps(1),
               setattr(O.cell, "velGrad", plane(0, 0.1, 0, 0))),
-     "#1 is a Box in a sheared periodic cell; use rcr.segment or fixed Rcrs"),
+     "#1 is a Box in a sheared periodic cell; use rcr.segment or fixed grains"),
     (lambda: scene("rigid", rcr.disc((0.3, 0.3), 0.2, material=material()), size=0.7),
      "the periodic cell is 0.7 wide at its narrowest, body #0 has the radius 0.2"),
     (lambda: O.bodies.append(rcr.segment((0.4, 1), (1, 1))),

@@ -96,7 +96,7 @@ def test_calls_that_are_refused(call, match):
 
 def test_time_steps_of_no_grain_and_negative_ones():
     build(law="smooth")
-    refused("no Rcr and no Sphere is free", rcr.critical_time_step)
+    refused("no Rcr, Sphere or RoundedPolygon is free", rcr.critical_time_step)
     refused("No TimeStepper", setattr, O, "dt", -1e-3, error=RuntimeError)
 
 
@@ -369,13 +369,17 @@ def test_engines_without_forces_may_follow_the_integrator(law, engine):
         assert O.bodies[1].state.pos[1] == pytest.approx(0.1, abs=1e-9)
 
 
-def test_the_steppers_first_step():
+@pytest.mark.parametrize("polygon", [False, True])
+def test_the_steppers_first_step(polygon):
     """Without contacts YADE's stepper takes the wave speed of spheres, or 1 s without any."""
     resting("smooth")
-    set_state(pos=Vector3(0, 0.2, 0))
+    if polygon:
+        build(rcr.regular_polygon((0, 0.2), 0.1, 5, material=material()), law="smooth")
+    else:
+        set_state(pos=Vector3(0, 0.2, 0))
     stepper = w.GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4)
     insert(0, stepper)
-    assert_refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no Rcrs "
+    assert_refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no grains "
                    r"touch; set defaultDt = 0.5 \* rcr.critical_time_step\(\)")
     stepper.defaultDt = 0.5 * rcr.critical_time_step()
     steps(5)

@@ -1,4 +1,4 @@
-"""YADE's 3D view draws Rcrs on a virtual screen; view_session.py makes scene and pictures."""
+"""YADE's 3D view draws grains on a virtual screen; view_session.py makes scene and pictures."""
 
 import pathlib
 import shutil
@@ -67,6 +67,20 @@ def test_grains_have_their_outlines_and_colours(pictures):
     rows, columns = np.nonzero(seen(picture, (0, 1, 0)))
     below = picture[rows.max() + 10, int(columns.mean())]  # a box, which YADE scales:
     assert 0.1 < below.min() and below.max() < 0.8  # scaled normals would make it white
+
+
+def test_polygons_have_their_outlines(pictures):
+    """A rounded triangle: box and area on the scale of the disc of 1 × 1; a line when wired."""
+    metre = size(seen(pictures["unmarked"], (0, 1, 0)))[0]
+    found = seen(pictures["unmarked"], (1, 0, 1))
+    side, height = 0.6 * np.sqrt(3), 0.6 * 1.5
+    assert size(found) == pytest.approx(np.array([height + 0.4, side + 0.4]) * metre, abs=4)
+    area = side * height / 2 + 3 * side * 0.2 + np.pi * 0.2**2
+    assert found.sum() == pytest.approx(area * metre**2, rel=0.08)
+    wire = seen(pictures["wire"], (1, 0, 1))
+    assert 0 < wire.sum() < 0.2 * found.sum()
+    marked = difference(pictures["plain"], pictures["unmarked"], by=0.15) & found
+    assert np.ptp(np.nonzero(marked)[1]) == pytest.approx(0.8 * metre, abs=5)
 
 
 def test_a_mark_shows_rotations(pictures):

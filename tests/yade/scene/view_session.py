@@ -26,6 +26,7 @@ def make_scene(rcr, scenes):
         rcr.particle((3, 0.5), 0.5, 0, 0, rough, color=(0, 1, 0)),
         rcr.particle((0, 0.7), 0.3, 0, 0, rough, color=(0, 0, 1)),
         rcr.particle((3, 2.5), 1, 0.5, 0.5, rough, fixed=True, color=(1, 1, 0)),
+        rcr.regular_polygon((0.5, 2.5), 0.8, 3, 0.2, material=rough, fixed=True, color=(1, 0, 1)),
     ])  # fmt: skip
     O.engines = scenes.engines(gravity=(0, -10, 0), tolerance=1e-4)
     O.dt = 1e-3
