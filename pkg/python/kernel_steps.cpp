@@ -67,17 +67,12 @@ namespace {
 			ThreadTeam& team = workspace_.team();
 			StepResult  result;
 			team.run(1, [&] {
-				if (neighbors_.update(step_, team)) pairs_.assign(neighbors_.list());
-				pairs_.detect(step_, team, false);
-				for (Pair& pair : pairs_.all)
-					if (pair.isNew) pair.law = law_;
-				pairs_.fillStep(step_, team);
 				const StepHost host { [](int, int) { return true; },
 					[&](int, int) { return law_; } };
-				result = solveStep(step_, settings_, host, workspace_);
-				pairs_.addFoundContacts(step_, 0);
-				if (!step_.added.empty()) pairs_.numberContacts(step_);
-				pairs_.storeForces(step_, team);
+				pairs_.detect({ neighbors_, team, host.allows }, step_, host, 0);
+				pairs_.fillStep(step_, team);
+				result = solveStep(step_, settings_, host, neighbors_, workspace_);
+				pairs_.store(step_, team, 0);
 			});
 			move();
 			py::dict out;

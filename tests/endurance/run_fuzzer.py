@@ -135,7 +135,7 @@ def draw(seed):
     event = lambda: dict(event=pick(*EVENTS), at=int(rng.integers(1, 400)),
                          every=pick(0, 0, 0, 0, 83, 37, 7), place=pick(*PLACES))  # fmt: skip
     return dict(
-        seed=seed, law="rigid", periodic=False,
+        seed=seed, law="rigid",
         count=int(rng.integers(3, 40)), eta=pick(0.0, 0.3, 0.6, 0.9),
         kinds=pick(["Rcr"], ["Rcr", "Sphere"], ["Sphere"], ["Rcr"] * 5 + ["moving clump"]),
         friction=pick(0.0, 0.3, 0.8), restitution=pick(0.0, 0.0, 0.5, 1.0),
@@ -146,18 +146,25 @@ def draw(seed):
         blocked=pick(0, 0, 0, 3), violent=pick(0, 0, 2),
         runs=[int(n) for n in rng.integers(20, 400, rng.integers(1, 4))],
         events=[event() for _ in range(rng.integers(0, RUNNERS + 1))],
+        periodic=pick(False, False, False, True), width=17 * R,
+        gradient=[pick(0.0, 0.0, -0.5, 0.3) for _ in range(4)], homoDeform=pick(0, 1, 2, 2),
+        cell_stress=pick(0, 0, 0, 50.0), flip=pick(False, True), energy=pick(False, False, True),
     )  # fmt: skip
 
 
 def build(scene):
-    """The scene in YADE: a box without lid, grains in rows, engines, PyRunners."""
+    """The scene in YADE: a box without lid or a cell, grains in rows, engines, PyRunners."""
     rng = np.random.default_rng(scene["seed"] + 1)
     rough = scene_fuzzer.begin(scene)
-    scene_fuzzer.obstacles(scene, rough)
-    O.bodies.append([rcr.wall("x", x, material=rough) for x in (-1.2 * R, COLUMNS * 2.3 * R)])
+    if scene["periodic"]:
+        O.bodies.append(rcr.particle((0, -0.1), R, 0.5, fixed=True, material=rough))
+    else:
+        scene_fuzzer.obstacles(scene, rough)
+        O.bodies.append([rcr.wall("x", x, material=rough) for x in (-1.2 * R, COLUMNS * 2.3 * R)])
     first = len(O.bodies)
     for k in range(scene["count"]):
-        height = (6.5 if scene["turning"] else 1.2) * R + 2.3 * R * (k // COLUMNS)
+        above_box = scene["turning"] and not scene["periodic"]
+        height = (6.5 if above_box else 1.2) * R + 2.3 * R * (k // COLUMNS)
         at = (2.3 * R * (k % COLUMNS) + rng.uniform(0, 0.1 * R), height)
         kind = scene["kinds"][k % len(scene["kinds"])]
         scene_fuzzer.grain(kind, at, scene["eta"], scene["speed"], rough, rng)
@@ -170,7 +177,13 @@ def build(scene):
     for _ in range(scene["violent"]):
         EVENTS["spin"](rng)
     scene_fuzzer.engines(scene)
-    O.trackEnergy = False
+    O.trackEnergy = scene["energy"]
+    if scene["periodic"]:
+        xx, xy, yx, yy = scene["gradient"]
+        O.cell.velGrad = scenes.plane(xx, xy, yx, yy)
+        O.cell.homoDeform, O.cell.flipFlippable = scene["homoDeform"], scene["flip"]
+        if scene["cell_stress"] and scene["homoDeform"] == 2:
+            scenes.insert(3, rcr.CellStress(stress=(scene["cell_stress"],) * 2))
     set_engines(scene, list(range(first, min(first + 3, len(O.bodies)))))
 
 
@@ -186,8 +199,10 @@ def set_engines(scene, grains):
     engines = list(O.engines)
     if scene["motion"] == "shakers":
         rng, last = np.random.default_rng(scene["seed"] + 2), len(O.bodies)
+        # in a cell, a body that moves by a quarter of it has no unique nearest image
+        slow = 0.01 if scene["periodic"] else 1.0
         for body, f in zip((last - 2, last - 1), rng.uniform(5, 0.3 / scene["dt"], 2)):
-            engine = w.HarmonicMotionEngine(ids=[body], A=(R * s, R * s, 0), f=(f, f, 0))
+            engine = w.HarmonicMotionEngine(ids=[body], A=(R * s * slow,) * 2 + (0,), f=(f, f, 0))
             engines.insert(3, engine)
     elif scene["motion"] in motions:
         engines.insert(scene.get("motion_at", 3),
@@ -205,11 +220,14 @@ def set_engines(scene, grains):
 
 def happen(k):
     """Run the event of PyRunner k, with random numbers that depend on seed and step only."""
-    EVENTS[current["events"][k]["event"]](np.random.default_rng([current["seed"], k, O.iter]))
+    event = current["events"][k]["event"]
+    if O.periodic and event == "erase":
+        return  # YADE's collider fails in a cell
+    EVENTS[event](np.random.default_rng([current["seed"], k, O.iter]))
 
 
 def state():
-    """Step, time, motion of the bodies and forces on them, and the contacts; −0 is 0."""
+    """Step, time, cell, energies, motion of the bodies and forces on them, contacts; −0 is 0."""
     row = lambda *numbers: tuple(x + 0 for x in numbers)
     bodies = [row(b.id, *b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel,
                   *O.forces.f(b.id), *O.forces.t(b.id)) for b in O.bodies]
@@ -217,9 +235,12 @@ def state():
         row(i.id1, i.id2, geom.points, geom.type, *geom.gap, *geom.along, *geom.position1,
             *geom.normal1, *geom.normal, *geom.contactPoint, geom.refR1, geom.refR2, phys.points,
             *phys.along, *phys.force1, *phys.force2, *phys.normalForce, *phys.shearForce,
-            phys.tangensOfFrictionAngle, phys.restitution, i.iterMadeReal)
+            phys.tangensOfFrictionAngle, phys.restitution, i.iterMadeReal, *i.cellDist)
         for i in O.interactions for geom, phys in [(i.geom, i.phys)] if hasattr(phys, "points"))
-    return dict(step=O.iter, time=O.time, dt=O.dt, bodies=bodies, contacts=contacts)
+    names = ("hSize", "trsf", "velGrad", "prevVelGrad") if O.periodic else ()
+    edges = [row(*line) for name in names for line in getattr(O.cell, name)]
+    return dict(step=O.iter, time=O.time, dt=O.dt, bodies=bodies, contacts=contacts, cell=edges,
+                energy=[(name, value + 0) for name, value in sorted(O.energy.items())])
 
 
 def play(scene, arrays):
@@ -264,7 +285,8 @@ def by(name, one, two):
 
 
 def smaller(scene):
-    plain = dict(restitution=0.0, overdamped=False, turning=False, speed=0.0, motion="none",
+    plain = dict(periodic=False, cell_stress=0, flip=False, energy=False, homoDeform=2,
+                 restitution=0.0, overdamped=False, turning=False, speed=0.0, motion="none",
                  blocked=0, violent=0, threads=1, floor="Wall", friction=0.0, gravity=0.0,
                  eta=0.0, kinds=["Rcr"], solver="nlgs")  # fmt: skip
     events, count = scene["events"], scene["count"]

@@ -46,7 +46,8 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 	setStartFlow(); // gather replaces it in a periodic cell
 	timed("gather", [&] {
 		gather(*scene, engines, team, handles_, step_);
-		addUnlistedContacts(*scene, engines, *this, handles_, step_);
+		neighbors_.expire();
+		addUnlistedContacts(*scene, engines, *this, team, handles_, neighbors_, step_);
 	});
 	try {
 		std::vector<rcr::PlanarVector> impulses;
@@ -56,9 +57,15 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 			impulses = contactImpulses(step_);
 			observer_.record(stepOutcome(), get<&ContactDynamics::observe>(), observeEvery,
 			        impulses, step_, handles_);
+			if (scene->trackEnergy)
+				energy.enterPrevious(*scene->energy, step_, impulses,
+				        plane::toPlane(engines.integrator->gravity));
+			else
+				energy = {};
 			advanced = timed("arrays", [&] {
 				return arrays
-				        && arraySteps_->advance(*scene, engines, team, handles_, impulses, step_);
+				        && arraySteps_->advance(*scene, engines, team, handles_, impulses,
+				                neighbors_, step_);
 			});
 			set<&ContactDynamics::model_>(StepModel { workspace_.summary(), result_.work, meanStretchRate,
 			        arraySteps_->count(),
@@ -70,11 +77,6 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 		timed("scatter", [&] {
 			const UnbalancedForce unbalanced = unbalancedForceOf(step_);
 			unbalancedForce = unbalanced.mean, largestUnbalancedForce = unbalanced.largest;
-			if (scene->trackEnergy)
-				energy.enterPrevious(*scene->energy, step_, impulses,
-				        plane::toPlane(engines.integrator->gravity));
-			else
-				energy = {};
 			scatter(*scene, team, impulses, handles_, step_);
 		});
 	} catch (...) {
@@ -93,7 +95,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		});
 	rcr::StepSettings settings = stepSettings();
 	settings.squeezed          = monitor.jam.active();
-	result_ = rcr::solveStep(step_, settings, stepHost(engines), workspace_);
+	result_ = rcr::solveStep(step_, settings, stepHost(engines), neighbors_, workspace_);
 	iterations    = result_.iterations;
 	residual      = result_.residual;
 	errorEstimate = result_.errorEstimate;
@@ -106,7 +108,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 
 rcr::StepHost ContactDynamics::stepHost(const validation::Engines& engines)
 {
-	rcr::StepHost host = newContacts(*scene, engines);
+	rcr::StepHost host { newContacts(*scene, engines) };
 	host.check = [this] {
 		contactPoints = int(step_.problem.points.size()); // also of a step that fails
 		checkFinite(step_, scene->iter);

@@ -126,6 +126,7 @@ private:
 	validation::Validator         validator_;
 	rcr::Step                     step_; // the last step
 	SceneHandles                  handles_;
+	rcr::Neighbors                neighbors_;
 	rcr::Workspace                workspace_; // threads, colouring and packed arrays
 	std::shared_ptr<ArraySteps>   arraySteps_;
 	rcr::StepResult               result_; // of the last step

@@ -82,11 +82,13 @@ void CellStress::gatherCell(const NewtonIntegrator& integrator, rcr::Step& step)
 		        scene->cell->homoDeform, "; expected 2, the default.");
 	problem.place.resize(step.bodies.size());
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
-		const auto& b = (*scene->bodies)[id];
-		if (!b || b->isClumpMember()
-		        || (integrator.mask > 0 && !b->maskCompatible(integrator.mask)))
-			continue;
-		problem.place[id] = step.bodies[id].center;
+		const rcr::StepBody& body = step.bodies[id];
+		if (body.owner != int(id)) continue;
+		if (integrator.mask > 0) {
+			const auto& b = (*scene->bodies)[id];
+			if (!b || !b->maskCompatible(integrator.mask)) continue;
+		}
+		problem.place[id] = body.center;
 		if (!step.overdamped) continue; // else prescribed velocities remain
 		if (problem.inverseMass[id].x == 0) problem.place[id].x = 0;
 		if (problem.inverseMass[id].y == 0) problem.place[id].y = 0;

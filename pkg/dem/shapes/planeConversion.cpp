@@ -68,10 +68,8 @@ Matrix3r nextGradient(const Cell& cell)
 
 Vector3i cellsOf(const Cell& cell, rcr::Vec2 v)
 {
-	const Matrix3r& h           = cell.hSize;
-	const double    determinant = double(h(0, 0) * h(1, 1) - h(0, 1) * h(1, 0));
-	return { int(std::round((double(h(1, 1)) * v.x - double(h(0, 1)) * v.y) / determinant)),
-		int(std::round((double(h(0, 0)) * v.y - double(h(1, 0)) * v.x) / determinant)), 0 };
+	const rcr::Vec2 numbers = rcr::latticeVector(flowOf(cell.hSize).gradient, v);
+	return { int(numbers.x), int(numbers.y), 0 };
 }
 
 rcr::PeriodicCell cellOf(const Scene& scene)

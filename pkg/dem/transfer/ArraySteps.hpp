@@ -7,11 +7,13 @@
 // to YADE's objects. Results have the same bits as steps by YADE's engines.
 //
 // YADE's engines complete the last step of a run. They take a step after 100 steps in arrays, which
-// updates YADE's objects, and steps in which an engine is due that may read any object. They take
-// all steps of scenes that the arrays do not support (`sceneReason`, `bodiesReason`).
+// updates YADE's objects, and steps in which an engine is due that may read any object
+// (scheduler.hpp). They take all steps of scenes that the arrays do not support (`sceneReason`,
+// `bodiesReason`).
 //
 // Obstacles and bodies that engines load or drive (kinematic engines, force engines, WallStress)
-// are synced: each step reads and writes YADE's objects of them.
+// are synced: each step reads and writes YADE's objects of them. A clump is synced with its
+// members.
 #pragma once
 
 #include <array>
@@ -19,6 +21,7 @@
 #include "kernel/step/leapfrog.hpp"
 #include "kernel/detection/pairs.hpp"
 #include "dem/transfer/gather.hpp"
+#include "dem/transfer/scheduler.hpp"
 
 namespace yade {
 
@@ -28,7 +31,7 @@ public:
 	/// impulses on each body. If YADE's engines must take the next step, returns false and changes
 	/// neither bodies nor step; enginesReason() is then the reason.
 	bool advance(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
-	        const std::vector<rcr::PlanarVector>& impulses, rcr::Step&);
+	        const std::vector<rcr::PlanarVector>& impulses, rcr::Neighbors&, rcr::Step&);
 
 	/// Copies the state at the beginning of the step to YADE's objects, as `scatter` requires. Does
 	/// nothing if no step was taken in arrays since the last call.
@@ -44,32 +47,39 @@ private:
 		std::array<double, 2> center, turn;
 		std::array<double, 3> velocity;
 	};
+	struct MovedClump {
+		Body::id_t                    id;
+		std::vector<rcr::ClumpMember> members;
+	};
+	using Impulses = std::vector<rcr::PlanarVector>;
 
 	static Motion motionOf(const State&);
-	std::string   sceneReason(const Scene&, const validation::Engines&, const rcr::Step&);
+	std::string   sceneReason(const Scene&, const validation::Engines&);
 	std::string   bodiesReason(const Scene&, const rcr::Step&);
 	std::string   momentaryReason(const Scene&) const;
-	void          begin(rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
-	void          move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&,
-	                 const std::vector<rcr::PlanarVector>& impulses, rcr::Step&);
-	void          runEngines(Scene&, const std::vector<Engine*>&) const;
-	void          acceptNewContacts(Scene&, const validation::Engines&);
+	void          begin(const Scene&, rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
+	// as NewtonIntegrator (moveBodies.cpp)
+	void          move(Scene&, const validation::Engines&, rcr::ThreadTeam&, const SceneHandles&,
+	                 const Impulses&, rcr::Step&);
+	void          displaceSynced(const SceneHandles&, const rcr::Step&) const;
+	void          moveSynced(Scene&, const NewtonIntegrator&, const SceneHandles&, const Impulses&,
+	                 const rcr::Step&) const;
+	void          enterEnergies(Scene&, NewtonIntegrator&, const SceneHandles&, const rcr::Step&) const;
 
 	long                      count_ = 0, first_ = 0;
 	// YADE's objects are out of date since array step first_
 	bool                      active_ = false;
 	std::string               reason_;
-	// engines that exert forces, before and after the InteractionLoop
-	std::vector<Engine*>      enginesBefore_, enginesAfter_;
-	bool                      movesAfter_ = false; // enginesAfter_ holds a kinematic engine
+	scheduler::Schedule       schedule_;
+	Matrix3r                  firstEdges_; // of the cell, at array step first_
 	std::vector<Body::id_t>   synced_;
 	std::vector<char>         isSynced_; // per body
 	std::vector<rcr::Inertia> inertia_;  // per body
 	std::vector<Motion>       written_;  // per body: as in YADE's objects
-	// per body: velocity at the end of the last overdamped step
-	std::vector<rcr::PlanarVector>   endVelocity_;
-	rcr::Neighbors                   neighbors_;
-	rcr::Pairs                       pairs_;
+	// per body: velocity at the end of the last step. The next one may begin with another velocity.
+	std::vector<rcr::PlanarVector> endVelocity_;
+	std::vector<MovedClump>        clumps_; // that are not synced
+	rcr::Pairs                     pairs_;
 };
 
 } // namespace yade

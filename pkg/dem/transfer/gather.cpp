@@ -15,17 +15,12 @@ namespace {
 		rcr::ThreadTeam&           team_;
 		SceneHandles&              handles_;
 		rcr::Step&                 step_;
-		// terms that NewtonIntegrator adds to velocities in a cell: change of the mean field, and
-		// its convection
-		Matrix3r change_ = Matrix3r::Zero(), convection_ = Matrix3r::Zero();
 
 		void bodies()
 		{
 			const BodyContainer& bodies = *scene_.bodies;
 			const std::size_t    count  = bodies.size();
 			step_.dt                    = double(scene_.dt);
-			step_.cell                  = plane::cellOf(scene_);
-			if (scene_.isPeriodic) setMeanFlow();
 			step_.problem.inverseMass.resize(count);
 			step_.problem.freeVelocity.resize(count);
 			step_.bodies.resize(count);
@@ -45,9 +40,7 @@ namespace {
 				const int owner = step_.bodies[id].owner;
 				if (owner == int(id)) continue;
 				step_.members.push_back(int(id));
-				const double radius = norm(step_.bodies[id].center - step_.bodies[owner].center)
-				        + step_.bodies[id].radius;
-				step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, radius);
+				step_.widenClump(int(id));
 			}
 			listWallPairs();
 		}
@@ -71,18 +64,6 @@ namespace {
 					        && validation::mayCollide(scene_, *engines_.collider, id1, id2))
 						step_.wallPairs.push_back({ id1, id2 });
 				}
-		}
-
-		/// Sets the terms of the mean field, and the flow from which overdamped bodies start.
-		void setMeanFlow()
-		{
-			const Cell&     cell     = *scene_.cell;
-			const Matrix3r& before   = engines_.integrator->prevVelGrad;
-			Matrix3r        gradient = plane::nextGradient(cell);
-			if (cell.homoDeform > 0) change_ = gradient - before;
-			if (cell.homoDeform > 1) convection_ = before;
-			if (engines_.cellStress) engines_.cellStress->clearStressedAxes(gradient);
-			step_.startFlow = plane::flowOf(gradient);
 		}
 
 		void gatherBody(Body::id_t id)
@@ -146,29 +127,11 @@ namespace {
 				return;
 			}
 			const rcr::Inertia inertia = plane::inertiaOf(s);
-			if (step_.overdamped)
-				body.velocity
-				        = startVelocity(body.velocity, inertia, step_.startFlow.at(body.center));
-			if (scene_.isPeriodic) body.velocity = body.velocity + changeOfMeanFlow(s);
-			rcr::PlanarVector& v = step_.problem.freeVelocity[b.getId()];
-			v = rcr::accelerated(body.velocity, inertia, externalForce(b),
-			        plane::toPlane(newton.gravity), step_.dt);
-			if (scene_.isPeriodic) {
-				body.convection = plane::toPlane(Real(step_.dt) * (convection_ * s.vel));
-				v               = v + rcr::PlanarVector { body.convection.x, body.convection.y, 0 };
-			}
+			beginStep(step_, b.getId(), body.velocity, inertia, externalForce(b),
+			        plane::toPlane(newton.gravity));
 			step_.problem.inverseMass[b.getId()] = { inertia.freeX ? 1 / inertia.mass : 0,
 				inertia.freeY ? 1 / inertia.mass : 0,
 				inertia.freeRotation ? 1 / inertia.moment : 0 };
-		}
-
-		/// Velocity that NewtonIntegrator adds after a change of O.cell.velGrad. It counts as a
-		/// velocity before the step, so that it is no impact.
-		rcr::PlanarVector changeOfMeanFlow(const State& s) const
-		{
-			const Vector3r mean = change_ * s.pos;
-			return { double(mean[0]), double(mean[1]),
-				0.5 * double(change_(1, 0) - change_(0, 1)) };
 		}
 
 		/// Force and torque on a body, or on a clump and its members.
@@ -325,14 +288,32 @@ bool obstacleLeavesBox(const Scene& scene, const rcr::PlanarShape& shape, const 
 	return out(0, box.center.x, box.half.x) || out(1, box.center.y, box.half.y);
 }
 
+void gatherCell(const Scene& scene, const validation::Engines& engines, rcr::Step& step)
+{
+	step.cell = plane::cellOf(scene);
+	if (!scene.isPeriodic) return;
+	const Matrix3r& before   = engines.integrator->prevVelGrad;
+	Matrix3r        gradient = plane::nextGradient(*scene.cell);
+	if (scene.cell->homoDeform > 0) step.cell.change = plane::flowOf(gradient - before);
+	if (scene.cell->homoDeform > 1) step.cell.convection = plane::flowOf(before);
+	if (engines.cellStress) engines.cellStress->clearStressedAxes(gradient);
+	step.startFlow = plane::flowOf(gradient);
+}
+
+void gatherCellStress(const validation::Engines& engines, rcr::Step& step)
+{
+	step.problem.inverseStretchMass = step.problem.stretchRate = {};
+	step.problem.place.clear();
+	if (engines.cellStress) engines.cellStress->gatherCell(*engines.integrator, step);
+}
+
 void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
         SceneHandles& handles, rcr::Step& step)
 {
 	Gatherer gatherer { scene, engines, team, handles, step };
+	gatherCell(scene, engines, step);
 	gatherer.bodies();
-	step.problem.inverseStretchMass = step.problem.stretchRate = {};
-	step.problem.place.clear();
-	if (engines.cellStress) engines.cellStress->gatherCell(*engines.integrator, step);
+	gatherCellStress(engines, step);
 	gatherer.contacts();
 }
 
@@ -342,6 +323,8 @@ void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::Threa
 	Gatherer gatherer { scene, engines, team, handles, step };
 	for (Body::id_t id : ids)
 		gatherer.gatherBody(id);
+	for (Body::id_t id : ids)
+		step.widenClump(id);
 }
 
 } // namespace yade

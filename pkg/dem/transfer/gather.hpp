@@ -36,7 +36,13 @@ struct SceneHandles {
 /// scenes. Erases contacts within clumps; else does not change the scene.
 void gather(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&, rcr::Step&);
 
-/// Gathers some of the bodies again, with the forces on them.
+/// Sets the periodic cell of a step and the flow from which overdamped bodies start; before bodies.
+void gatherCell(const Scene&, const validation::Engines&, rcr::Step&);
+
+/// Sets inertia and load of the cell; after bodies.
+void gatherCellStress(const validation::Engines&, rcr::Step&);
+
+/// Gathers some of the bodies again, with the forces on them. A clump with all its members.
 void regatherBodies(Scene&, const validation::Engines&, rcr::ThreadTeam&,
         const std::vector<Body::id_t>&, SceneHandles&, rcr::Step&);
 

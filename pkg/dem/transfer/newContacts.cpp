@@ -37,7 +37,7 @@ static rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines&
 	};
 }
 
-rcr::StepHost newContacts(Scene& scene, const validation::Engines& engines)
+rcr::NewContacts newContacts(Scene& scene, const validation::Engines& engines)
 {
 	return { contactFilter(scene, engines), [&](int id1, int id2) {
 		        return newContactLaw(scene, *engines.loop, id1, id2);
@@ -45,7 +45,7 @@ rcr::StepHost newContacts(Scene& scene, const validation::Engines& engines)
 }
 
 void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const Engine& solver,
-        SceneHandles& handles, rcr::Step& step)
+        rcr::ThreadTeam& team, SceneHandles& handles, rcr::Neighbors& neighbors, rcr::Step& step)
 {
 	const std::vector<Body::id_t> changed
 	        = handles.pairExclusions.restartIfChanged(scene, *engines.collider);
@@ -77,8 +77,9 @@ void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const
 	for (std::size_t id = 0; id < handles.mayLackContacts.size(); ++id)
 		if (handles.mayLackContacts[id]) unlisted.push_back(std::int32_t(id));
 	if (unlisted.empty()) return;
-	const rcr::StepHost host = newContacts(scene, engines);
-	if (rcr::findUnlistedContacts(step, unlisted, host.allows)) rcr::addFoundContacts(step, host);
+	const rcr::NewContacts host = newContacts(scene, engines);
+	if (rcr::findUnlistedContacts(step, unlisted, { neighbors, team, host.allows }))
+		rcr::addFoundContacts(step, host);
 }
 
 } // namespace yade

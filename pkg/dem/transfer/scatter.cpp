@@ -86,8 +86,7 @@ static void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 	}
 }
 
-/// Applies strain and velocity gradient to the cell.
-static void deformCell(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strain)
+void deformCell(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strain)
 {
 	Matrix3r displaced = Matrix3r::Identity();
 	displaced(0, 0) += strain.x, displaced(1, 1) += strain.y;
@@ -215,15 +214,18 @@ void ArraySteps::writeBack(
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
 		prefetch<State>(handles.state[indexAhead(id, step.bodies.size())]);
 		State* s = handles.state[id];
-		if (!s || isSynced_[id]) return;
-		const rcr::StepBody&     body = step.bodies[id];
-		const rcr::PlanarVector& v    = step.overdamped ? endVelocity_[id] : body.velocity;
+		const rcr::StepBody& body = step.bodies[id];
+		if (!s || isSynced_[id] || body.owner != int(id)) return;
+		const rcr::PlanarVector& v = endVelocity_[id];
 		// a state that a script has written meanwhile stays
 		const Motion before = written_[id], now = motionOf(*s);
 		if (now.center == before.center) s->pos[0] = body.center.x, s->pos[1] = body.center.y;
 		if (now.turn == before.turn) s->ori.w() = body.turn.w, s->ori.z() = body.turn.z;
 		if (now.velocity == before.velocity)
 			s->vel[0] = v.x, s->vel[1] = v.y, s->angVel[2] = v.rotation;
+	});
+	team.forEach(clumps_.size(), [&](std::size_t k) {
+		Clump::moveMembers<NewtonIntegrator>((*scene.bodies)[clumps_[k].id], &scene);
 	});
 
 	std::vector<Interaction*> interaction(pairs_.all.size());
@@ -252,8 +254,10 @@ void ArraySteps::writeBack(
 		if (!interaction[k]) return;
 		const rcr::Pair&     pair     = pairs_.all[k];
 		const rcr::Manifold& manifold = pairs_.manifold[k];
-		contacts[k] = writeContact(
-		        *interaction[k], pair, manifold, handles, step, step.bodies[pair.body2].pose());
+		if (scene.isPeriodic)
+			interaction[k]->cellDist = plane::cellsOf(*scene.cell, pair.shift);
+		contacts[k] = writeContact(*interaction[k], pair, manifold, handles, step,
+		        shifted(step.bodies[pair.body2].pose(), pair.shift));
 		writeForce(*contacts[k].phys, pair.force,
 		        { manifold.points[0].normal, manifold.points[1].normal });
 		contacts[k].phys->rollingMoment = pair.pointCount == 1 ? pair.rollingMoment : 0;

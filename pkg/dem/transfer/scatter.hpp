@@ -13,6 +13,10 @@ std::vector<rcr::PlanarVector> contactImpulses(const rcr::Step&);
 void setUnblockedVelocity(State&, const rcr::PlanarVector& velocity);
 void displace(State&, const rcr::PlanarVector& by);
 
+/// Applies the motion of the cell in a solved step: its velocity gradient, and the strain of the
+/// position correction.
+void deformCell(Cell&, const rcr::PeriodicCell& now, rcr::Vec2 strain);
+
 /// Writes contact forces, forces on bodies, added contacts, displacements, the velocities from which
 /// overdamped bodies start the next step, and the stretch of the cell. Requests a run of the
 /// collider if bodies leave their boxes. `impulses`: contactImpulses of the step.

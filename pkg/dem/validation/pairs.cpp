@@ -3,6 +3,7 @@
 #include <set>
 
 #include "dem/validation/SceneQuery.hpp"
+#include "kernel/detection/neighbors.hpp"
 
 namespace yade::validation {
 
@@ -57,36 +58,32 @@ namespace {
 		return exists ? "Ig2_" + shape1 + '_' + shape2 + "_RcrGeom" : std::string();
 	}
 
-	/// A body before its first step.
-	struct PlacedBody {
-		Partner            partner;
-		rcr::PlanarShape shape;
-		Vector3r at;         // fractions of the edges of a periodic cell, 0 to 1; else coordinates
-		double   halfExtent; // along the first of these axes
-	};
-
 	/// Pairs that overlap before their first step.
 	class InitialOverlaps {
 	public:
 		InitialOverlaps(const SceneQuery& v, Real z)
 		        : scene_(v.scene), collider_(v.first<Collider>())
 		{
-			if (scene_.isPeriodic) edges_ = scene_.cell->hSize;
-			const Matrix3r      inverse = edges_.inverse();
-			std::vector<PlacedBody> grains, obstacles;
+			step_.cell = plane::cellOf(scene_);
+			step_.bodies.resize(scene_.bodies->size());
 			for (const auto& b : *scene_.bodies) {
 				if (!takesPart(b)) continue;
-				PlacedBody p { partnerOf(*b, scene_), plane::shapeOf(*b->shape, *b->state, z),
-					inverse * b->state->pos, 0 };
-				if (scene_.isPeriodic) p.at -= Vector3r(p.at.array().floor());
-				p.halfExtent = double(inverse.row(0).norm()) * p.shape.radius();
-				if (p.shape.kind != rcr::PlanarShape::none)
-					(p.shape.grain() ? grains : obstacles).push_back(p);
+				rcr::StepBody& body = step_.bodies[b->getId()];
+				body.shape  = plane::shapeOf(*b->shape, *b->state, z);
+				body.center = plane::toPlane(b->state->pos);
+				body.turn   = plane::turnOf(body.shape, *b->state);
+				body.owner  = b->isClumpMember() ? b->clumpId : b->getId();
 			}
-			for (const PlacedBody& obstacle : obstacles)
-				for (const PlacedBody& grain : grains)
-					check(obstacle, grain);
-			checkGrains(grains);
+			rcr::Neighbors  neighbors;
+			rcr::ThreadTeam team;
+			team.run(1, [&] { neighbors.update(step_, team); });
+			for (const auto& [one, two] : neighbors.list())
+				if (!isWall(one)) check(one, two);
+			// a wall lists no grains far behind it
+			for (Body::id_t id = 0; id < Body::id_t(step_.bodies.size()); ++id)
+				for (Body::id_t other = 0; isWall(id) && other < Body::id_t(step_.bodies.size());
+				        ++other)
+					if (step_.bodies[other].shape.grain()) check(id, other);
 		}
 
 		long       pairs = 0, behind = 0; // all; with a grain on the inactive side of a wall
@@ -95,60 +92,39 @@ namespace {
 		Body::id_t wall = 0, grain = 0;   // the first grain behind a wall
 
 	private:
-		/// Checks all pairs of grains, sorted along the first axis; periodic cells wrap around.
-		void checkGrains(std::vector<PlacedBody>& grains)
+		bool isWall(Body::id_t id) const
 		{
-			double largest = 0;
-			for (const PlacedBody& p : grains)
-				largest = std::max(largest, p.halfExtent);
-			std::sort(grains.begin(), grains.end(),
-			        [](const PlacedBody& a, const PlacedBody& b) { return a.at[0] < b.at[0]; });
-			const std::size_t n = grains.size();
-			for (std::size_t i = 0; i < n; ++i)
-				for (std::size_t j = i + 1; j < (scene_.isPeriodic ? i + n : n); ++j) {
-					const PlacedBody& other = grains[j % n];
-					if (double(other.at[0] - grains[i].at[0]) + (j < n ? 0 : 1)
-					        > grains[i].halfExtent + largest)
-						break;
-					const bool ordered = grains[i].shape.kind <= other.shape.kind;
-					check(ordered ? grains[i] : other, ordered ? other : grains[i]);
-				}
+			return step_.bodies[id].shape.kind == rcr::PlanarShape::wall;
 		}
 
-		void check(const PlacedBody& a, const PlacedBody& b)
+		void check(Body::id_t id1, Body::id_t id2)
 		{
-			Vector3r apart = b.at - a.at;
-			// the nearest image
-			if (scene_.isPeriodic) apart -= Vector3r(apart.array().round());
-			const rcr::Vec2 from { plane::toPlane(edges_ * a.at) },
-			        way { plane::toPlane(edges_ * apart) };
-			const double    most = a.shape.radius() + b.shape.radius();
-			const bool      isWall = a.shape.kind == rcr::PlanarShape::wall;
-			if (!isWall && dot(way, way) > most * most) return;
-			if (!couldCollide(scene_, collider_, a.partner, b.partner)) return;
-			const rcr::Manifold m = rcr::contactPoints(a.shape,
-			        { from, plane::turnOf(a.shape, *a.partner.body->state).axis() }, b.shape,
-			        { from + way, plane::turnOf(b.shape, *b.partner.body->state).axis() },
-			        isWall ? std::numeric_limits<double>::max() : 0); // also far behind it
+			const rcr::StepBody &a = step_.bodies[id1], &b = step_.bodies[id2];
+			const auto&          bodies = *scene_.bodies;
+			if (!couldCollide(scene_, collider_, partnerOf(*bodies[id1], scene_),
+			            partnerOf(*bodies[id2], scene_)))
+				return;
+			const rcr::Pose     at2 = shifted(b.pose(), step_.nearestShift(a, b));
+			const rcr::Manifold m   = rcr::contactPoints(a.shape, a.pose(), b.shape, at2,
+			          isWall(id1) ? std::numeric_limits<double>::max() : 0); // also far behind it
 			const double deepest = m.deepest();
 			const double part    = deepest / rcr::contactSize(a.shape, b.shape);
 			if (part <= deepOverlap) return;
-			const shared_ptr<Interaction> known
-			        = scene_.interactions->find(a.partner.body->getId(), b.partner.body->getId());
+			const shared_ptr<Interaction> known = scene_.interactions->find(id1, id2);
 			if (known && known->isReal()) return;
 			++pairs;
-			const bool isBehind
-			        = isWall && a.shape.sense * (a.shape.axis == 0 ? way.x : way.y) < 0;
-			if (isBehind && behind++ == 0)
-				wall = a.partner.body->getId(), grain = b.partner.body->getId();
+			const rcr::Vec2 way      = at2.center - a.center;
+			const bool      isBehind = isWall(id1)
+			        && a.shape.sense * (a.shape.axis == 0 ? way.x : way.y) < 0;
+			if (isBehind && behind++ == 0) wall = id1, grain = id2;
 			if (part <= share) return;
 			depth = deepest, share = part;
-			std::tie(one, two) = std::minmax({ a.partner.body->getId(), b.partner.body->getId() });
+			std::tie(one, two) = std::minmax({ id1, id2 });
 		}
 
-		const Scene&    scene_;
-		Collider*       collider_;
-		Matrix3r        edges_ = Matrix3r::Identity();
+		const Scene& scene_;
+		Collider*    collider_;
+		rcr::Step    step_;
 	};
 
 } // namespace

@@ -34,7 +34,7 @@ using namespace errors;
 
 /// The engines of a scene that ContactDynamics needs.
 struct Engines {
-	const NewtonIntegrator* integrator = nullptr;
+	NewtonIntegrator*       integrator = nullptr;
 	const InteractionLoop*  loop       = nullptr;
 	Collider*               collider   = nullptr;
 	const CellStress*       cellStress = nullptr;

@@ -14,8 +14,8 @@ namespace {
 
 	class Separation {
 	public:
-		Separation(Step& step, const ContactFilter& allowsContact)
-		        : step_(step), allowsContact_(allowsContact), queued_(step.contacts.size())
+		Separation(Step& step, const Search& search)
+		        : step_(step), search_(search), queued_(step.contacts.size())
 		{
 		}
 
@@ -57,7 +57,7 @@ namespace {
 		}
 
 		Step&                         step_;
-		const ContactFilter&          allowsContact_;
+		const Search&                 search_;
 		std::vector<StepContact>      reached_; // contacts that the step lacks
 		std::vector<bool>             queued_, touched_;
 		std::vector<int>              queue_;
@@ -75,7 +75,7 @@ namespace {
 		/// Adds the contacts that displaced bodies reach, and enqueues those with an overlap.
 		void addReached()
 		{
-			reached_ = contactsOfDisplaced(step_, allowsContact_);
+			reached_ = contactsOfDisplaced(step_, search_);
 			queued_.resize(count());
 			for (std::size_t k = step_.contacts.size(); k < count(); ++k)
 				if (!isPrescribed(contact(k)) && violation(contact(k)) > 0) enqueue(int(k));
@@ -228,9 +228,9 @@ namespace {
 
 } // namespace
 
-double separate(Step& step, bool displace, const ContactFilter& allowsContact)
+double separate(Step& step, bool displace, const Search& search)
 {
-	return Separation(step, allowsContact).run(displace);
+	return Separation(step, search).run(displace);
 }
 
 } // namespace rcr

@@ -24,6 +24,6 @@ namespace rcr {
 /// exceeds 10 slops and the bound above, over R₁ + R₂ [-]. Overlaps of two prescribed bodies do not
 /// count. Sets step.intruding and returns 1 if bodies have intruded on their paths. If one has even
 /// passed through the other, there are no displacements.
-double separate(Step&, bool displace, const ContactFilter&);
+double separate(Step&, bool displace, const Search&);
 
 } // namespace rcr

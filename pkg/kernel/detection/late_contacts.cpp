@@ -9,88 +9,8 @@ namespace rcr {
 
 namespace {
 
-	/// Point from which the nearest image is measured. A segment may lie beside its centre.
-	Vec2 middle(const StepBody& body) { return body.center + body.shape.offset; }
-
 	// widening over the path; a further solve may lengthen the path
-	constexpr double      wideningFactor = 1.5;
-	// up to this number of widened bodies, a linear search is faster than sorting
-	constexpr std::size_t fewBodies      = 16;
-
-	double reachToImages(const Step& step, int id)
-	{
-		return step.cell.periodic
-		        ? imageReach(step.bodies[id].shape, step.cell.imageSpeed, step.dt) : 0;
-	}
-
-	/// Candidates for contacts of widened bodies. In an open scene with many widened bodies, grains
-	/// are sorted by x.
-	class Candidates {
-	public:
-		Candidates(const Step& step, const std::vector<std::int32_t>& widened)
-		        : step_(step)
-		        , searched_(step.bodies.size())
-		        , sorted_(widened.size() > fewBodies && !step.cell.periodic)
-		{
-			for (int id : widened)
-				searched_[id] = true;
-			for (std::size_t id = 0; id < step.bodies.size(); ++id) {
-				const StepBody& b = step.bodies[id];
-				if (b.shape.kind == PlanarShape::none) continue;
-				if (!b.shape.grain()) obstacles_.push_back(int(id));
-				else {
-					grains_.emplace_back(b.center.x, int(id));
-					if (!searched_[id]) largestOther_ = std::max(largestOther_, extent(int(id)));
-				}
-			}
-			if (sorted_) std::sort(grains_.begin(), grains_.end());
-		}
-
-		/// Calls visit(other) for all bodies that a widened body may meet. Of two widened grains,
-		/// the larger one finds the other.
-		template <class Visit> void forEach(int id, Visit visit) const
-		{
-			const StepBody& b = step_.bodies[id];
-			auto            from = grains_.begin(), to = grains_.end();
-			if (!b.shape.grain()) {
-				std::for_each(from, to, [&](const auto& grain) { visit(grain.second); });
-				return;
-			}
-			std::for_each(obstacles_.begin(), obstacles_.end(), visit);
-			const double own  = extent(id);
-			const double half = step_.cell.periodic ? std::numeric_limits<double>::infinity()
-			                                        : own + std::max(own, largestOther_);
-			if (sorted_) {
-				const auto left = [](const auto& grain, double x) { return grain.first < x; };
-				from            = std::lower_bound(from, to, b.center.x - half, left);
-				to              = std::lower_bound(from, to, b.center.x + half, left);
-			}
-			for (; from != to; ++from) {
-				if (std::abs(from->first - b.center.x) > half) continue;
-				const int    other = from->second;
-				const double its   = extent(other);
-				if (searched_[other] && (its > own || (its == own && other <= id))) continue;
-				const Vec2 between   = middle(step_.bodies[other]) - middle(b),
-				           apart     = between + step_.cell.nearestShift(between);
-				const double most    = own + its;
-				if (dot(apart, apart) <= most * most) visit(other);
-			}
-		}
-
-	private:
-		/// Radius of the circle in which contacts of a grain are detected.
-		double extent(int id) const
-		{
-			return step_.bodies[id].radius + detectionReach(step_, id) + reachToImages(step_, id);
-		}
-
-		const Step&       step_;
-		std::vector<bool> searched_; // per body: its contacts are searched
-		const bool        sorted_;
-		std::vector<int>  obstacles_;
-		double            largestOther_ = 0; // extent of the other grains [m]
-		std::vector<std::pair<double, int>> grains_; // x and number
-	};
+	constexpr double wideningFactor = 1.5;
 
 	/// Returns true if images move beyond the reach in which their contacts were detected.
 	bool imagesLeaveReach(const Step& step)
@@ -174,7 +94,7 @@ namespace {
 
 	/// Detects a pair within its present reach and collects it unless isKnown.
 	void checkPair(
-	        Step& step, int id, int other, const ContactFilter& allowsContact, bool exact = false)
+	        Step& step, int id, int other, const ContactFilter& allowsContact, bool exact)
 	{
 		if (step.bodies[id].owner == step.bodies[other].owner) return;
 		const auto shape = [&](int body) -> const PlanarShape& { return step.bodies[body].shape; };
@@ -187,13 +107,12 @@ namespace {
 		FoundContact       found;
 		found.body1    = id;
 		found.body2    = other;
-		found.shift    = contact ? contact->shift : step.cell.nearestShift(middle(two) - middle(one));
+		found.shift    = contact ? contact->shift : step.nearestShift(one, two);
 		found.known    = contact;
-		double reach   = detectionReach(step, id) + detectionReach(step, other);
-		if (found.shift.x != 0 || found.shift.y != 0)
-			reach += reachToImages(step, id) + reachToImages(step, other);
-		found.manifold = contactPoints(
-		        one.shape, one.pose(), two.shape, shifted(two.pose(), found.shift), reach);
+		found.manifold = contactPoints(one.shape, one.pose(), two.shape,
+		        shifted(two.pose(), found.shift),
+		        largestGap(step, one, detectionReach(step, id), two, detectionReach(step, other),
+		                found.shift));
 		if (isKnown(step, contact, found.manifold, exact)) return;
 		// keeps a contact beyond a smaller reach
 		if (exact && found.manifold.count == 0) return;
@@ -253,39 +172,48 @@ double detectionReach(const Step& step, std::size_t id)
 	return std::max(step.bodies[id].alertDistance, step.widenedReach[id]);
 }
 
-bool findUnlistedContacts(
-        Step& step, const std::vector<std::int32_t>& bodies, const ContactFilter& allowsContact)
+/// Collects in step.found the contacts of these bodies.
+static void checkBodies(Step& step, const std::vector<std::int32_t>& bodies, const Search& search,
+        bool exact)
 {
-	const Candidates candidates(step, bodies);
-	for (int id : bodies)
-		candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact, true); });
+	const auto reach = [&](int id) {
+		const double toImages = step.cell.periodic
+		        ? imageReach(step.bodies[id].shape, step.cell.imageSpeed, step.dt) : 0;
+		return detectionReach(step, id) + toImages;
+	};
+	search.neighbors.forEachAround(step, search.team, bodies, reach, [&](int id, int other) {
+		checkPair(step, id, other, search.allows, exact);
+	});
 	keepLastOfEach(step.found);
+}
+
+bool findUnlistedContacts(
+        Step& step, const std::vector<std::int32_t>& bodies, const Search& search)
+{
+	checkBodies(step, bodies, search, true);
 	return !step.found.empty();
 }
 
 /// Collects in step.found the contacts of bodies whose paths exceed their reach.
-static void collectContacts(Step& step, const ContactFilter& allowsContact)
+static void collectContacts(Step& step, const Search& search)
 {
 	const std::vector<std::int32_t> widened = widenReach(step);
 	if (widened.empty()) return;
-	const Candidates candidates(step, widened);
-	for (int id : widened)
-		candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact); });
-	keepLastOfEach(step.found);
+	checkBodies(step, widened, search, false);
 	step.widened.insert(step.widened.end(), widened.begin(), widened.end());
 }
 
-bool findLateContacts(Step& step, const ContactFilter& allowsContact)
+bool findLateContacts(Step& step, const Search& search)
 {
-	collectContacts(step, allowsContact);
+	collectContacts(step, search);
 	// contacts found after earlier solves may close at the present velocities
 	return std::any_of(step.found.begin(), step.found.end(),
 	        [&](const FoundContact& found) { return closes(step, found); });
 }
 
-std::vector<StepContact> contactsOfDisplaced(Step& step, const ContactFilter& allowsContact)
+std::vector<StepContact> contactsOfDisplaced(Step& step, const Search& search)
 {
-	collectContacts(step, allowsContact);
+	collectContacts(step, search);
 	std::vector<StepContact> contacts;
 	for (const FoundContact& found : step.found)
 		if (!found.known) contacts.push_back(newContact(step, found));

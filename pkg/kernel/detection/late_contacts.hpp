@@ -22,7 +22,7 @@
 
 #include <functional>
 
-#include "step/step.hpp"
+#include "detection/neighbors.hpp"
 
 namespace rcr {
 
@@ -41,19 +41,44 @@ inline double imageReach(const PlanarShape& shape, double imageSpeed, double dt)
 	return dt * imageSpeed + (shape.grain() ? 0.01 * shape.inscribedRadius() : 0);
 }
 
+/// Largest gap at which two bodies with these reaches have a contact [m]. `shift`: to the image of
+/// body 2.
+inline double largestGap(const Step& step, const StepBody& one, double reach1, const StepBody& two,
+        double reach2, Vec2 shift)
+{
+	const bool image  = shift.x != 0 || shift.y != 0;
+	const auto beyond = [&](const StepBody& body) {
+		return image ? imageReach(body.shape, step.cell.imageSpeed, step.dt) : 0;
+	};
+	return (reach1 + beyond(one)) + (reach2 + beyond(two));
+}
+
 /// Returns true if masks, clumps and engines of the simulation allow a new contact of two bodies.
 using ContactFilter = std::function<bool(int body1, int body2)>;
 
+/// What a simulation decides about new contacts.
+struct NewContacts {
+	ContactFilter                       allows;
+	std::function<ContactLaw(int, int)> law; // of two bodies
+};
+
+/// Means of a search for contacts.
+struct Search {
+	Neighbors&           neighbors;
+	ThreadTeam&          team;
+	const ContactFilter& allows;
+};
+
 /// Before the solve, detects contacts of bodies whose pairs in the simulation may be incomplete.
 /// Collects them in step.found and returns true if there are any. Call addFoundContacts then.
-bool findUnlistedContacts(Step&, const std::vector<std::int32_t>& bodies, const ContactFilter&);
+bool findUnlistedContacts(Step&, const std::vector<std::int32_t>& bodies, const Search&);
 
 /// Distance within which contacts of a body are detected, with its widening in this step [m].
 double detectionReach(const Step&, std::size_t id);
 
 /// Collects in step.found the contacts within the widened reach of the solved step. Returns
 /// true if one of them is late. A further solve requires addFoundContacts.
-bool findLateContacts(Step&, const ContactFilter&);
+bool findLateContacts(Step&, const Search&);
 
 /// Returns true if the sum of radii and paths of two bodies exceeds half the smallest height of the
 /// cell, so that they may meet at two images.
@@ -61,7 +86,7 @@ bool spansHalfCell(const Step&);
 
 /// Returns contacts that the step lacks, without points: those found earlier, and those of bodies
 /// whose path and displacement exceed their reach. Widens the reach of these bodies.
-std::vector<StepContact> contactsOfDisplaced(Step&, const ContactFilter&);
+std::vector<StepContact> contactsOfDisplaced(Step&, const Search&);
 
 /// Adds step.found to the contacts, points and forces of the step, and moves it to
 /// step.added. Requires friction and restitution of new contacts.

@@ -1,5 +1,6 @@
 #include "detection/neighbors.hpp"
 
+#include "detection/late_contacts.hpp"
 #include "problem/list_by_key.hpp"
 
 namespace rcr {
@@ -57,22 +58,63 @@ static std::pair<double, double> bulk(std::vector<double>& x)
 	return { ranked(x, few), rankedFromTop(x, few) };
 }
 
+/// ℓ of a body.
+double Neighbors::reach(const Step& step, const StepBody& body)
+{
+	const double toImages
+	        = step.cell.periodic ? imageReach(body.shape, step.cell.imageSpeed, step.dt) : 0;
+	return body.alertDistance + toImages;
+}
+
+void Neighbors::setReference(std::size_t id, const Step& step)
+{
+	const StepBody& body = step.bodies[id];
+	reference_[id] = { body.shape, { toReference(body.center), body.pose().axis }, reach(step, body),
+		body.owner };
+}
+
+/// Computes F, F⁻¹ and ε.
+void Neighbors::deform(const PeriodicCell& now)
+{
+	double square = 0;
+	for (int i = 0; i < 2; ++i)
+		for (int j = 0; j < 2; ++j) {
+			forward_[i][j]  = now.h[i][0] * cell_.inverse[0][j] + now.h[i][1] * cell_.inverse[1][j];
+			backward_[i][j] = cell_.h[i][0] * now.inverse[0][j] + cell_.h[i][1] * now.inverse[1][j];
+			const double change = backward_[i][j] - (i == j);
+			square += change * change;
+		}
+	strain_ = std::sqrt(square);
+}
+
+/// Left-hand side of the condition [m].
+double Neighbors::movedDistance(const Reference& at, const Step& step, const StepBody& body) const
+{
+	if (!cell_.periodic) return displacement(at, body) + body.alertDistance - at.alertDistance;
+	Reference carried   = at;
+	carried.pose.center = product(forward_, at.pose.center);
+	const double now    = reach(step, body);
+	return (1 + strain_) * displacement(carried, body) + now - at.alertDistance
+	        + strain_ * (body.shape.radius() + now);
+}
+
 /// Lists the bodies that violate the condition; returns false if the shape of a body changed.
 bool Neighbors::findMovedBodies(const Step& step, ThreadTeam& team)
 {
 	moved_.clear();
-	if (reference_.size() != step.bodies.size()) return false;
+	if (reference_.size() != step.bodies.size() || cell_.periodic != step.cell.periodic)
+		return false;
+	if (cell_.periodic) deform(step.cell);
 	std::atomic<bool> same { true };
 	isSearched_.assign(reference_.size(), false);
 	team.forEach(reference_.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
 		const Reference& at   = reference_[id];
 		if (body.shape.kind == PlanarShape::none && at.shape.kind == PlanarShape::none) return;
-		if (!isSame(at.shape, body.shape))
+		if (!isSame(at.shape, body.shape) || at.owner != body.owner)
 			same.store(false, std::memory_order_relaxed);
 		else
-			isSearched_[id]
-			        = displacement(at, body) + body.alertDistance - at.alertDistance > margin_;
+			isSearched_[id] = movedDistance(at, step, body) > margin_;
 	});
 	if (!same) return false;
 	for (std::size_t id = 0; id < isSearched_.size(); ++id)
@@ -83,6 +125,7 @@ bool Neighbors::findMovedBodies(const Step& step, ThreadTeam& team)
 bool Neighbors::update(const Step& step, ThreadTeam& team)
 {
 	const bool same = findMovedBodies(step, team);
+	current_        = true;
 	if (same && moved_.empty()) return false;
 	const std::size_t few   = reference_.size() / repairFraction,
 	                  leave = std::count_if(moved_.begin(), moved_.end(),
@@ -128,7 +171,7 @@ void Neighbors::sortIntoCells()
 		}
 		x.push_back(reference_[id].pose.center.x), y.push_back(reference_[id].pose.center.y);
 		grains.push_back(std::int32_t(id));
-		extents.push_back(reference_[id].shape.radius() + reference_[id].alertDistance + margin_);
+		extents.push_back(extent(reference_[id]));
 	}
 	std::vector<double> ordered = extents;
 	const std::size_t   exempt
@@ -136,14 +179,18 @@ void Neighbors::sortIntoCells()
 	const double widest      = rankedFromTop(ordered, exempt);
 	const auto [left, right] = bulk(x);
 	const auto [low, high]   = bulk(y);
-	const Vec2 size { right - left, high - low };
+	Vec2 size { right - left, high - low };
+	if (cell_.periodic) // heights of the cell
+		size = { cell_.area() / std::hypot(cell_.h[0][1], cell_.h[1][1]),
+			cell_.area() / std::hypot(cell_.h[0][0], cell_.h[1][0]) };
 	width_ = std::max({ 2 * widest,
 	        std::sqrt(size.x * size.y / (mostCellsPerGrain * double(grains.size() + 1))),
 	        std::max(size.x, size.y) / 10000 });
 	if (!(width_ > 0)) width_ = 1;
 	origin_  = { left, low };
-	columns_ = int(size.x / width_) + 1;
-	rows_    = int(size.y / width_) + 1;
+	columns_ = std::max(1, int(size.x / width_) + !cell_.periodic);
+	rows_    = std::max(1, int(size.y / width_) + !cell_.periodic);
+	mostEdges_ = { 0.5 + 3 * margin_ / size.x, 0.5 + 3 * margin_ / size.y };
 	std::vector<std::int32_t> cell(grains.size());
 	for (std::size_t k = 0; k < grains.size(); ++k) {
 		if (extents[k] > widest) {
@@ -152,8 +199,8 @@ void Neighbors::sortIntoCells()
 			continue;
 		}
 		isWide_[grains[k]] = false;
-		const Vec2 c = reference_[grains[k]].pose.center;
-		cell[k]      = row(c.y) * columns_ + column(c.x);
+		const Vec2 at = place(reference_[grains[k]].pose.center);
+		cell[k] = range(at.y, at.y, rows_).first * columns_ + range(at.x, at.x, columns_).first;
 	}
 	listByKey(std::size_t(columns_) * rows_, firstIn_, inCells_, [&](auto add) {
 		for (std::size_t k = 0; k < grains.size(); ++k)
@@ -161,26 +208,45 @@ void Neighbors::sortIntoCells()
 	});
 }
 
+Vec2 Neighbors::place(Vec2 x0) const
+{
+	if (!cell_.periodic) return { (x0.x - origin_.x) / width_, (x0.y - origin_.y) / width_ };
+	const Vec2 edges = product(cell_.inverse, x0);
+	return { edges.x * columns_, edges.y * rows_ };
+}
+
+Neighbors::Range Neighbors::range(double low, double high, int count) const
+{
+	if (!cell_.periodic) {
+		const auto clipped = [&](double at) { return int(std::clamp(at, 0.0, count - 1.0)); };
+		return { clipped(low), clipped(high) - clipped(low) + 1 };
+	}
+	const double first = std::floor(low), number = std::floor(high) - first + 1;
+	return { int(first - count * std::floor(first / count)), int(std::min<double>(number, count)) };
+}
+
+bool Neighbors::nearImage(const Reference& one, const Reference& two, Vec2 shift) const
+{
+	const double maxGap = one.alertDistance + two.alertDistance + 2 * margin_;
+	const double limit  = maxGap * (1 + 1e-9);
+	const Pose   image  = shifted(two.pose, shift);
+	if (!mayTouch(one.shape, one.pose, two.shape, image, limit)) return false;
+	const bool bounded = one.shape.grain() && !one.shape.core && !two.shape.core;
+	return bounded || contactPoints(one.shape, one.pose, two.shape, image, limit).count > 0;
+}
+
 bool Neighbors::near(std::int32_t body1, std::int32_t body2) const
 {
 	const Reference &one = reference_[body1], &two = reference_[body2];
-	const double maxGap = one.alertDistance + two.alertDistance + 2 * margin_;
-	const double limit  = maxGap * (1 + 1e-9);
-	if (!mayTouch(one.shape, one.pose, two.shape, two.pose, limit)) return false;
-	const bool bounded = one.shape.grain() && !one.shape.core && !two.shape.core;
-	return bounded
-	        || contactPoints(one.shape, one.pose, two.shape, two.pose, limit).count > 0;
-}
-
-/// Calls visit(grain) for all grains in the cells that a box touches.
-template <class Visit> void Neighbors::forEachGrain(const BoundingBox& box, Visit visit) const
-{
-	const Vec2 low = box.center - box.half, high = box.center + box.half;
-	const int  left = column(low.x), right = column(high.x);
-	for (int row = this->row(low.y); row <= this->row(high.y); ++row)
-		for (std::int32_t k = firstIn_[row * columns_ + left];
-		        k < firstIn_[row * columns_ + right + 1]; ++k)
-			visit(inCells_[k]);
+	if (one.owner == two.owner) return false;
+	if (!cell_.periodic) return nearImage(one, two, {});
+	// images that may be the nearest one before the list expires
+	const Vec2 between = one.pose.center - two.pose.center + one.shape.offset - two.shape.offset,
+	           edges   = product(cell_.inverse, between);
+	for (double i = std::ceil(edges.x - mostEdges_.x); i <= edges.x + mostEdges_.x; ++i)
+		for (double j = std::ceil(edges.y - mostEdges_.y); j <= edges.y + mostEdges_.y; ++j)
+			if (nearImage(one, two, product(cell_.h, { i, j }))) return true;
+	return false;
 }
 
 void Neighbors::searchNarrow(ThreadTeam& team)
@@ -193,8 +259,9 @@ void Neighbors::searchNarrow(ThreadTeam& team)
 		for (std::size_t id = std::size_t(part) * bodiesPerPart;
 		        id < std::min(reference_.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
 			if (isWide_[id]) continue;
-			const std::size_t begin = found.size();
-			forEachGrain({ reference_[id].pose.center, { width_, width_ } }, [&](std::int32_t other) {
+			const std::size_t begin  = found.size();
+			const double      around = extent(reference_[id]) + 0.5 * width_;
+			forEachGrain({ reference_[id].pose.center, { around, around } }, [&](std::int32_t other) {
 				if (comesFirst(reference_[id].shape, int(id), reference_[other].shape, other)
 				        && near(std::int32_t(id), other))
 					found.push_back({ std::int32_t(id), other });
@@ -224,9 +291,7 @@ void Neighbors::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam
 		};
 		const auto [center, half] = boundsOf(reference_[id].shape, reference_[id].pose);
 		const double around       = reference_[id].alertDistance + margin_ + 0.5 * width_;
-		forEachGrain({ center, half + Vec2 { around, around } }, [&](std::int32_t other) {
-			if (!isWide_[other]) take(other);
-		});
+		forEachGrain({ center, half + Vec2 { around, around } }, take);
 		for (std::int32_t other : wide_)
 			if (other > id || (other < id && !isSearched_[other])) take(other);
 	});
@@ -240,7 +305,9 @@ void Neighbors::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam
 void Neighbors::findAll(const Step& step, ThreadTeam& team)
 {
 	reference_.resize(step.bodies.size());
-	team.forEach(reference_.size(), [&](std::size_t id) { setReference(id, step.bodies[id]); });
+	cell_ = step.cell;
+	if (cell_.periodic) deform(cell_);
+	team.forEach(reference_.size(), [&](std::size_t id) { setReference(id, step); });
 	chooseMargin();
 	sortIntoCells();
 	searchNarrow(team);
@@ -253,7 +320,7 @@ void Neighbors::findAll(const Step& step, ThreadTeam& team)
 void Neighbors::repair(const Step& step, ThreadTeam& team)
 {
 	for (std::int32_t id : moved_) {
-		setReference(id, step.bodies[id]);
+		setReference(id, step);
 		if (!isWide_[id]) wide_.push_back(id);
 		isWide_[id] = true;
 	}

@@ -4,6 +4,8 @@
 
 namespace rcr {
 
+/// Replaces the pairs by those of the list; known pairs keep their data. `keepContacts`: contacts
+/// that the list lacks remain.
 void Pairs::assign(const Neighbors::List& list, bool keepContacts)
 {
 	Pairs now;
@@ -24,16 +26,46 @@ void Pairs::assign(const Neighbors::List& list, bool keepContacts)
 	}
 	for (; keepContacts && old < all.size(); ++old)
 		if (all[old].pointCount > 0) keep(old);
-	std::swap(*this, now);
+	all.swap(now.all), manifold.swap(now.manifold);
 }
 
-void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
+void Pairs::detect(
+        Search search, const Step& step, const NewContacts& host, long iteration, bool keepContacts)
+{
+	const bool changed = search.neighbors.update(step, search.team);
+	if (changed || !listed) assign(search.neighbors.list(), keepContacts);
+	listed = true;
+	detectPoints(step, search.team, keepContacts);
+	for (Pair& pair : all) {
+		if (!pair.isNew) continue;
+		if (host.allows(pair.body1, pair.body2)) {
+			pair.law      = host.law(pair.body1, pair.body2);
+			pair.formedAt = iteration;
+		} else
+			pair.pointCount = 0;
+	}
+}
+
+void Pairs::store(Step& step, ThreadTeam& team, long iteration)
+{
+	addFoundContacts(step, iteration);
+	if (!listed || !step.added.empty()) numberContacts(step);
+	team.forEach(step.contacts.size(), [&](std::size_t k) {
+		const StepContact& contact = step.contacts[k];
+		Pair&              pair    = all[contact.handleIndex];
+		std::copy_n(&step.force[contact.first], contact.count, pair.force);
+		if (contact.count == 1) pair.rollingMoment = step.rollingMoment[contact.first];
+	});
+}
+
+void Pairs::detectPoints(const Step& step, ThreadTeam& team, bool keepContacts)
 {
 	team.forEach(all.size(), [&](std::size_t k) {
 		Pair&           pair = all[k];
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
-		const double    maxGap = one.alertDistance + two.alertDistance;
-		const Pose      at1 = one.pose(), at2 = two.pose();
+		const Vec2      shift  = step.nearestShift(one, two);
+		const double    maxGap = largestGap(step, one, one.alertDistance, two, two.alertDistance, shift);
+		const Pose      at1 = one.pose(), at2 = shifted(two.pose(), shift);
 		Manifold        detected;
 		if (mayTouch(one.shape, at1, two.shape, at2, maxGap))
 			detected = contactPoints(one.shape, at1, two.shape, at2, maxGap);
@@ -51,6 +83,7 @@ void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 		        pair.force[1], LocalVector {});
 		manifold[k]     = detected;
 		pair.pointCount = detected.count;
+		pair.shift      = shift;
 		std::copy_n(along, 2, pair.along);
 	});
 }
@@ -76,10 +109,11 @@ void Pairs::addFoundContacts(const Step& step, long iteration)
 		}
 		manifold[&pair - all.data()] = found.manifold;
 		pair.pointCount              = found.manifold.count;
+		pair.shift                   = found.shift;
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		for (int k = 0; k < 2; ++k)
-			pair.along[k] = positionAlong(
-			        one.shape, one.pose(), two.pose(), found.manifold.points[k]);
+			pair.along[k] = positionAlong(one.shape, one.pose(), shifted(two.pose(), found.shift),
+			        found.manifold.points[k]);
 	}
 }
 
@@ -113,18 +147,8 @@ void Pairs::fillStep(Step& step, ThreadTeam& team) const
 		const double       size
 		        = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
 		step.contacts[k] = { pair.body1, pair.body2, first[k], pair.pointCount, number,
-			pair.law, size, {}, {} };
+			pair.law, size, pair.shift, step.cell.drift(pair.shift) };
 		step.setPoints(step.contacts[k], manifold[number], pair.force, pair.rollingMoment);
-	});
-}
-
-void Pairs::storeForces(const Step& step, ThreadTeam& team)
-{
-	team.forEach(step.contacts.size(), [&](std::size_t k) {
-		const StepContact& contact = step.contacts[k];
-		Pair&              pair    = all[contact.handleIndex];
-		std::copy_n(&step.force[contact.first], contact.count, pair.force);
-		if (contact.count == 1) pair.rollingMoment = step.rollingMoment[contact.first];
 	});
 }
 

@@ -3,7 +3,7 @@
 // Steps in arrays use these data while the interactions of the simulation are out of date.
 #pragma once
 
-#include "detection/neighbors.hpp"
+#include "detection/late_contacts.hpp"
 
 namespace rcr {
 
@@ -13,6 +13,7 @@ struct Pair {
 	std::int32_t handleIndex      = -1;    // index in SceneHandles::sorted; −1: none
 	bool         isNew            = false; // found by the last detection
 	long         formedAt = -1; // iteration of its first step; −1: stored in the simulation
+	Vec2         shift;         // from body 2 to its image that meets body 1 [m]
 	ContactLaw   law;
 	double       along[2] {}; // positionAlong of each point [m]
 	LocalVector  force[2];    // of each point [N]
@@ -23,18 +24,23 @@ struct Pairs {
 	std::vector<Pair>     all;      // sorted by body1, then body2
 	std::vector<Manifold> manifold; // per pair, if it touches
 
-	/// Replaces the pairs by those of the list; known pairs keep their data. `keepContacts`:
-	/// contacts that the list lacks remain.
+	/// Detects the contact points of all pairs that may meet, at the poses of the step, and carries
+	/// their forces forward. New contacts get their law and the number of the step. `keepContacts`:
+	/// contacts beyond the present reach remain.
+	void detect(Search, const Step&, const NewContacts&, long iteration, bool keepContacts = false);
+
+	/// Stores the forces of a solved step, and the contacts that it added.
+	void store(Step&, ThreadTeam&, long iteration);
+
+	void fillStep(Step&, ThreadTeam&) const; // with contacts and their first forces
+
+	bool listed = false; // `all` holds the neighbours; else its pairs come from the simulation
+
+private:
+	void numberContacts(Step&) const; // sets StepContact::handleIndex
 	void assign(const Neighbors::List&, bool keepContacts = false);
-
-	/// Detects the contact points of every pair at the poses of the step and carries their forces
-	/// forward. `keepContacts`: contacts beyond the present reach remain.
-	void detect(const Step&, ThreadTeam&, bool keepContacts);
-
-	void addFoundContacts(const Step&, long iteration); // those of Step::added
-	void numberContacts(Step&) const;                  // sets StepContact::handleIndex
-	void fillStep(Step&, ThreadTeam&) const;           // with contacts and their first forces
-	void storeForces(const Step&, ThreadTeam&);        // of a solved step
+	void detectPoints(const Step&, ThreadTeam&, bool keepContacts);
+	void addFoundContacts(const Step&, long iteration);
 };
 
 } // namespace rcr

@@ -27,8 +27,9 @@ namespace {
 		Step&               step;
 		const StepSettings& settings;
 		const StepHost&     host;
+		Search              search;
 		Workspace&          workspace;
-		StepResult          result;
+		StepResult          result = {};
 
 		/// Runs `work` and reports its wall time.
 		template <class Work> auto timed(const char* stage, Work work) const
@@ -39,7 +40,7 @@ namespace {
 
 } // namespace
 
-void addFoundContacts(Step& step, const StepHost& host)
+void addFoundContacts(Step& step, const NewContacts& host)
 {
 	for (FoundContact& c : step.found)
 		if (!c.known) c.law = host.law(c.body1, c.body2);
@@ -80,10 +81,10 @@ static Settings nextPass(const Call& call, Settings s)
 
 static void solvePass(Call& call, const Settings& settings)
 {
-	auto& [step, given, host, workspace, result] = call;
-	const double layoutBefore                    = workspace.layoutSeconds();
-	const Vec2   stretchBefore                   = step.problem.stretchRate;
-	step.warmStart                               = step.problem.impulse;
+	auto& [step, given, host, search, workspace, result] = call;
+	const double layoutBefore                            = workspace.layoutSeconds();
+	const Vec2   stretchBefore                           = step.problem.stretchRate;
+	step.warmStart                                       = step.problem.impulse;
 	// biases by which yielding contacts remove their overlaps
 	setRecoveryBias(step, given.correction, workspace.team());
 	const Report report = call.timed("solve", [&] {
@@ -107,10 +108,10 @@ static void solvePass(Call& call, const Settings& settings)
 
 static Outcome review(Call& call, int pass)
 {
-	auto& [step, settings, host, workspace, result] = call;
-	const bool nextIsLast                           = pass == mostPasses - 1;
-	const bool late                                 = call.timed("lateContacts", [&] {
-                if (!findLateContacts(step, host.allows)) return false;
+	auto& [step, settings, host, search, workspace, result] = call;
+	const bool nextIsLast                                   = pass == mostPasses - 1;
+	const bool late                                         = call.timed("lateContacts", [&] {
+                if (!findLateContacts(step, search)) return false;
                 addFoundContacts(step, host);
                 return true;
         });
@@ -134,17 +135,17 @@ static Outcome review(Call& call, int pass)
 
 static void displace(Call& call)
 {
-	auto& [step, settings, host, workspace, result] = call;
+	auto& [step, settings, host, search, workspace, result] = call;
 	computeCorrection(step, settings.correction, workspace);
 	if (!result.largeDisplacements) return;
-	const double overlap = separate(step, settings.correction > 0, host.allows);
+	const double overlap = separate(step, settings.correction > 0, search);
 	if (overlap > JamDetector::jamOverlap) result.converged = false;
 }
 
-StepResult
-solveStep(Step& step, const StepSettings& settings, const StepHost& host, Workspace& workspace)
+StepResult solveStep(Step& step, const StepSettings& settings, const StepHost& host,
+        Neighbors& neighbors, Workspace& workspace)
 {
-	Call call { step, settings, host, workspace, {} };
+	Call call { step, settings, host, { neighbors, workspace.team(), host.allows }, workspace };
 	// speed of the drive, compliance of yielding contacts, impulse beyond which contacts yield
 	YieldBounds bounds = yieldBoundsOf(step, workspace.team());
 	Settings    base = firstPass(call, bounds), now = base;
@@ -153,7 +154,7 @@ solveStep(Step& step, const StepSettings& settings, const StepHost& host, Worksp
 		solvePass(call, now);
 		if (pass == mostPasses) {
 			if (call.timed("lateContacts", [&] {
-				    return findLateContacts(step, host.allows);
+				    return findLateContacts(step, call.search);
 			    }))
 				call.result.converged = false;
 			if (!step.overdamped)

@@ -18,9 +18,7 @@
 namespace rcr {
 
 /// What a simulation decides about a step.
-struct StepHost {
-	ContactFilter                       allows; // new contacts of these bodies
-	std::function<ContactLaw(int, int)> law;    // of a new contact
+struct StepHost : NewContacts {
 	/// Called once after the passes and before displacements; may throw.
 	std::function<void()>                            check = [] {};
 	std::function<void(const char* stage, double s)> clock = [](const char*, double) {};
@@ -46,12 +44,12 @@ struct StepResult {
 
 /// Solves the step. `step.problem` and `step.force` hold the solution, `step.displacement` and
 /// `step.strain` the displacements. Throws what `host` throws.
-StepResult solveStep(Step&, const StepSettings&, const StepHost&, Workspace&);
+StepResult solveStep(Step&, const StepSettings&, const StepHost&, Neighbors&, Workspace&);
 
 /// Settings of a solve with these bounds.
 Settings passSettings(const StepSettings&, const YieldBounds&);
 
 /// Adds the contacts that a search has found to the step, with their laws.
-void addFoundContacts(Step&, const StepHost&);
+void addFoundContacts(Step&, const NewContacts&);
 
 } // namespace rcr

@@ -1,6 +1,9 @@
 // Leapfrog integration of a body in the plane, with the same bits as YADE's NewtonIntegrator.
 //
 //   v ← v + dt (f/m + g)      x ← x + dt v      θ ← θ + dt ω, as a quaternion of length 1
+//
+// A periodic cell also adds dt G v + ΔG x to v, with its gradient G of the last step and the change
+// ΔG of the gradient. Members of a clump keep their pose in its frame.
 #pragma once
 
 #include "step/step.hpp"
@@ -21,6 +24,25 @@ inline PlanarVector accelerated(
 	if (inertia.freeY) v.y += dt * (force.y / inertia.mass + gravity.y);
 	if (inertia.freeRotation) v.rotation += dt * (force.rotation / inertia.moment);
 	return v;
+}
+
+/// `accelerated` in a periodic cell. The flow of the cell also acts on prescribed motion. `free`:
+/// StepBody::free.
+inline PlanarVector acceleratedInCell(PlanarVector v, const Inertia& inertia, bool free,
+        const PlanarVector& force, Vec2 gravity, double dt, const PeriodicCell& cell, Vec2 center)
+{
+	const auto& g = cell.convection.gradient;
+	if (free) {
+		const Vec2 turned = product(g, { v.x, v.y });
+		v.x += dt * ((inertia.freeX ? force.x / inertia.mass + gravity.x : 0) + turned.x);
+		v.y += dt * ((inertia.freeY ? force.y / inertia.mass + gravity.y : 0) + turned.y);
+		if (inertia.freeRotation) v.rotation += dt * (force.rotation / inertia.moment);
+	} else {
+		const double scaled[2][2] { { dt * g[0][0], dt * g[0][1] }, { dt * g[1][0], dt * g[1][1] } };
+		const Vec2   change = product(scaled, { v.x, v.y });
+		v.x += change.x, v.y += change.y;
+	}
+	return v + cell.change.at(center);
 }
 
 /// Velocity of an overdamped body at the beginning of a step: `start` in its free degrees of
@@ -52,6 +74,40 @@ inline void move(StepBody& body, double dt)
 	const PlanarVector& v = body.velocity;
 	body.center           = { body.center.x + v.x * dt, body.center.y + v.y * dt };
 	body.turn             = turnAfter(body.turn, v.rotation, dt);
+}
+
+/// Pose of a clump member in the frame of its clump.
+struct ClumpMember {
+	std::int32_t id = 0;
+	Vec2         place;
+	Turn         turn;
+};
+
+/// Moves a clump member with its clump.
+inline void moveMember(StepBody& body, const ClumpMember& member, const StepBody& clump)
+{
+	const Turn &      t = clump.turn, &own = member.turn;
+	const Vec2        r = member.place, twice = 2.0 * Vec2 { -t.z * r.y, t.z * r.x };
+	body.center = { clump.center.x + (r.x + t.w * twice.x - t.z * twice.y),
+		clump.center.y + (r.y + t.w * twice.y + t.z * twice.x) };
+	body.turn     = { t.w * own.w - t.z * own.z, t.w * own.z + t.z * own.w };
+	body.velocity = memberVelocity(body, clump.center, clump.velocity);
+}
+
+/// Sets velocity and free velocity of a body at the beginning of a step, under a force and
+/// gravity. `end`: its velocity at the end of the last step.
+inline void beginStep(Step& step, std::size_t id, const PlanarVector& end, const Inertia& inertia,
+        const PlanarVector& force, Vec2 gravity)
+{
+	StepBody&     body = step.bodies[id];
+	PlanarVector& v    = body.velocity;
+	v = step.overdamped ? startVelocity(end, inertia, step.startFlow.at(body.center)) : end;
+	if (step.cell.periodic) v = v + step.cell.change.at(body.center);
+	PlanarVector& free = step.problem.freeVelocity[id];
+	free               = accelerated(v, inertia, force, gravity, step.dt);
+	if (!step.cell.periodic) return;
+	body.convection = step.dt * product(step.cell.convection.gradient, { end.x, end.y });
+	free            = free + PlanarVector { body.convection.x, body.convection.y, 0 };
 }
 
 } // namespace rcr

@@ -122,6 +122,25 @@ inline Vec2 product(const double (&m)[2][2], Vec2 v)
 	return { m[0][0] * v.x + m[0][1] * v.y, m[1][0] * v.x + m[1][1] * v.y };
 }
 
+/// Numbers of the base vectors, columns of h, whose sum is nearest to v.
+inline Vec2 latticeVector(const double (&h)[2][2], Vec2 v)
+{
+	const double determinant = h[0][0] * h[1][1] - h[0][1] * h[1][0];
+	return { std::round((h[1][1] * v.x - h[0][1] * v.y) / determinant),
+		std::round((h[0][0] * v.y - h[1][0] * v.x) / determinant) };
+}
+
+/// Homogeneous flow with a velocity gradient [1/s].
+struct Flow {
+	double gradient[2][2] {};
+
+	PlanarVector at(Vec2 r) const
+	{
+		const Vec2 v = product(gradient, r);
+		return { v.x, v.y, 0.5 * (gradient[1][0] - gradient[0][1]) };
+	}
+};
+
 /// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s].
 /// All numbers are zero in an open scene. Before the solve, the gradient has no contribution of
 /// contacts.
@@ -130,6 +149,8 @@ struct PeriodicCell {
 	double h[2][2] {}, inverse[2][2] {}, gradient[2][2] {};
 	double imageSpeed = 0; // largestDrift when contacts were detected [m/s]
 	Vec2   loadRate; // part of the gradient from the load on the cell in this step [1/s]
+	// what the cell adds to velocities: the change of its flow, and the flow that convects them
+	Flow   change, convection;
 
 	/// Returns true if a prescribed component of its motion is not zero. `inverseMass`: of
 	/// stretching along each axis; 0: prescribed.
@@ -141,11 +162,9 @@ struct PeriodicCell {
 	}
 
 	/// Shift of body 2 to its image nearest to body 1 [m].
-	Vec2 nearestShift(Vec2 from1To2) const
+	Vec2 nearestShift(Vec2 from2To1) const
 	{
-		if (!periodic) return {};
-		const Vec2 cells = product(inverse, from1To2);
-		return product(h, { -std::round(cells.x), -std::round(cells.y) });
+		return periodic ? product(h, latticeVector(h, from2To1)) : Vec2 {};
 	}
 	double area() const { return std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]); }
 	/// Smaller height of the cell: lower bound of the distance of two images of a body [m].
@@ -168,17 +187,6 @@ struct BodyPair {
 	std::int32_t body1 = -1, body2 = -1;
 
 	bool none() const { return body1 < 0; }
-};
-
-/// Homogeneous flow with a velocity gradient [1/s].
-struct Flow {
-	double gradient[2][2] {};
-
-	PlanarVector at(Vec2 r) const
-	{
-		const Vec2 v = product(gradient, r);
-		return { v.x, v.y, 0.5 * (gradient[1][0] - gradient[0][1]) };
-	}
 };
 
 struct Step {
@@ -210,6 +218,12 @@ struct Step {
 	{
 		const ContactPoint& at = problem.points[c.first + k];
 		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].atStart };
+	}
+
+	/// Shift of a body to its image nearest to body 1 [m]. A segment may lie beside its centre.
+	Vec2 nearestShift(const StepBody& one, const StepBody& two) const
+	{
+		return cell.nearestShift(one.center - two.center + one.shape.offset - two.shape.offset);
 	}
 
 	/// Velocity of a body without loads and contacts in this step.
@@ -284,6 +298,15 @@ struct Step {
 		const int          owner = bodies[id].owner;
 		const PlanarVector v     = problem.velocity[owner] + displacement[owner] / dt;
 		return owner == id ? v : memberVelocity(bodies[id], bodies[owner].center, v);
+	}
+
+	/// Widens the radius of the clump of a member so that it contains the member.
+	void widenClump(int member)
+	{
+		const StepBody& body = bodies[member];
+		if (body.owner == member) return;
+		double& radius = bodies[body.owner].radius;
+		radius = std::max(radius, norm(body.center - bodies[body.owner].center) + body.radius);
 	}
 
 	/// Sets the velocities of clump members after a solve.
