@@ -36,6 +36,10 @@ class Test:
     def summary(self):
         return self.folder / "summary.json"
 
+    @property
+    def has_checkpoint(self):
+        return (self.folder / progress.CHECKPOINT).exists()
+
     def update(self):
         """Follow the test; print a line at its end."""
         now = progress.read(self.folder)

@@ -8,6 +8,7 @@ import os
 import pathlib
 import sys
 
+CHECKPOINT = "checkpoint.yade.gz"  # from which a stopped test continues
 FILE = ".progress"
 
 

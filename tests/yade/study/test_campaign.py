@@ -182,6 +182,18 @@ def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
 
 
 @needs_snakemake
+def test_the_first_line_counts_the_resumed_tests(tmp_path):
+    """Both tests end at once, since the strain is too small."""
+    begun = tmp_path / "runs" / "particles-60-strain-0.0005-eta-0.5-seed-2"
+    begun.mkdir(parents=True)
+    (begun / "checkpoint.yade.gz").touch()
+    done = ended(CAMPAIGN, "--out", tmp_path, *SMALL, "--strain", "0.0005", "--seeds", "2,3",
+                 "--jobs", "2", code=None)
+    assert done.stderr.startswith("campaign.py: 2 tests of 60 grains to a strain of 0.0005, "
+                                  "0 complete, 1 resumed; 2 at a time, then")
+
+
+@needs_snakemake
 def test_the_last_line_leaves_out_other_campaigns_of_the_folder(tmp_path):
     for name in "runs/particles-60-strain-0.3-eta-0.5-seed-2", "report":
         (tmp_path / name).mkdir(parents=True)
