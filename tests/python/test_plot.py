@@ -330,7 +330,7 @@ def test_users_axes_are_kept_and_get_no_legend():
 @pytest.mark.parametrize("scene, options, error, says", [
     (frame(3), dict(color="sped"), ValueError, "orientation"),
     (frame(3), dict(color=[1, 2]), ValueError, "each of the 3 grains"),
-    (frame(3), dict(contacts="forces"), ValueError, "'force'"),
+    (frame(3), dict(contacts="forces"), ValueError, "expected None, 'force', 'type', 'mob"),
     (pressed(3, 1, 1, friction=np.array([np.nan, 1])), dict(contacts="mobilization"), ValueError,
      "µ is NaN for 1 of 2 contacts with a force; .*the attribute friction, or choose 'force'"),
     (frame(3), dict(color="speed", cmap="nope"), ValueError,
