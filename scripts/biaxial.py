@@ -152,7 +152,7 @@ def shear(test, options, checkpoints):
     due = lambda: math.floor((test.strain + HALF_RECORD) * options.networks / options.strain)
     most = 1  # records of a run of about RUN_SECONDS
     start, end = 100 * test.strain, 100 * options.strain
-    style = dict(desc="shear", unit="%", disable=None, bar_format=BAR)
+    style = dict(desc="shear", unit="%", disable=None, bar_format=BAR, ncols=progress.columns())
     with tqdm(total=end, initial=start, **style) as bar:
         while not test.has_reached(options.strain):
             saved, began, before = due(), time.monotonic(), len(test.rows)

@@ -152,7 +152,7 @@ def _images(frame, at):
 def _check_contacts(frame, by):
     """Raise a ValueError for an unknown name, or for a mobilization that needs an unknown µ."""
     if by is not None and by not in CONTACTS:
-        raise checks.error("contacts", by, f"None, {' or '.join(map(repr, CONTACTS))}")
+        raise checks.error("contacts", by, f"None, {', '.join(map(repr, CONTACTS))}")
     unknown = np.isnan(frame.contacts["friction"][frame.normal_force() > 0])
     if by == "mobilization" and unknown.any():
         given = f"µ is NaN for {unknown.sum()} of {len(unknown)} contacts with a force"

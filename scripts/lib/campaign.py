@@ -155,9 +155,12 @@ def failure(out, folders):
 def announce(tests, options, threads):
     """Print what will run."""
     left = sum(not test.is_complete for test in tests)
+    begun = sum(test.has_checkpoint and not test.is_complete for test in tests)
+    resumed = f", {begun} resumed" if begun else ""
     at_once = min(left, options.jobs // threads)
     show(f"{len(tests)} tests of {options.particles} grains to a strain of {options.strain:g}, "
-         f"{len(tests) - left} complete; {at_once} at a time, then analysis, figures, report")
+         f"{len(tests) - left} complete{resumed}; {at_once} at a time, then analysis, figures, "
+         "report")
 
 
 def is_report_of(out, folders):

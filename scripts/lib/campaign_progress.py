@@ -36,6 +36,10 @@ class Test:
     def summary(self):
         return self.folder / "summary.json"
 
+    @property
+    def has_checkpoint(self):
+        return (self.folder / progress.CHECKPOINT).exists()
+
     def update(self):
         """Follow the test; print a line at its end."""
         now = progress.read(self.folder)
@@ -60,8 +64,9 @@ class Test:
     def _begin(self, stage, share):
         self.close()
         self.stage, self.end, self.first, self.bar_start = stage, None, share, time.monotonic()
+        width = progress.columns()
         self.bar = tqdm(desc=self.name, total=1, initial=share, bar_format=BAR if share else OTHER,
-                        disable=None, leave=False, dynamic_ncols=True)
+                        disable=None, leave=False, ncols=width, dynamic_ncols=width is None)
 
     def _time_left(self):
         if self.end is None:
@@ -86,6 +91,7 @@ class Test:
 
     def close(self):
         if self.bar is not None:
+            self.bar.clear()  # close alone leaves the cursor right of a bar that is not the first
             self.bar.close()
         self.bar = None
 

@@ -85,6 +85,22 @@ def test_measures_are_those_of_network(written, files):
     assert pooled["contacts"] == 4000 and one["contacts"] == 2000
 
 
+def test_numbers_of_the_table_are_readable(written):
+    """Fits end with the first digit of their error; negative numbers have a minus sign."""
+    out, _ = written
+    page = (out / "report.html").read_text()
+    cells = dict(re.findall(r"<tr><th>(.*?)</th><td>(.*?)</td>", page))
+    one = next(iter(json.loads((out / "analysis.json").read_text()).values()))
+    for name, key in ("α_n", "alpha"), ("β_n", "beta"):
+        value, error = re.fullmatch(r"(−?\d\.\d+) ± (0\.0*[1-9])", cells[name]).groups()
+        assert len(value.lstrip("−")) == len(error)
+        fitted = one["normal_force"][key], one["normal_force"][f"{key}_error"]
+        assert float(value.replace("−", "-")) == pytest.approx(fitted[0], abs=fitted[1])
+    share = float(cells["C(f, ℓ)"].replace("−", "-"))
+    assert share == pytest.approx(one["c_f_l"], rel=5e-3) and "-" not in cells["C(f, ℓ)"]
+    assert re.fullmatch(r"[\d.]+, with [\d.]+ grains on average, \d+ at most", cells["chains"])
+
+
 def test_what_is_unknown_is_said(written, tmp_path):
     page = (written[0] / "report.html").read_text()
     assert re.search(r"<th>I_M</th><td>unknown</td>", page)

@@ -258,6 +258,19 @@ def test_the_label_of_a_scale_has_its_power(speed, power):
     assert power in text if power else "10" not in text
 
 
+@pytest.mark.parametrize("slow, fast", [(0.1162, 0.1362), (0.02, 0.23), (1, 1.0004), (0, 9e3)])
+def test_the_numbers_of_a_scale_do_not_overlap(slow, fast):
+    """Grains on a shaken plate have nearly one speed, whose numbers have many digits."""
+    row = frame(2, velocity=np.array([[slow, 0, 0], [fast, 0, 0]]))
+    figure = plot.packing(row, color="speed", contacts=None).figure
+    FigureCanvasAgg(figure).draw()
+    scale = figure.axes[1]
+    boxes = [tick.label1.get_window_extent() for tick in scale.xaxis.get_major_ticks()
+             if scale.get_xlim()[0] <= tick.get_loc() <= scale.get_xlim()[1]]
+    assert len(boxes) >= 2
+    assert all(right.x0 - left.x1 > 0.5 * left.height for left, right in zip(boxes, boxes[1:]))
+
+
 def test_obstacles_are_in_the_picture_but_do_not_fill_it():
     scene = frame(3)
     floor = np.array([[-1e3, -2], [1e3, -2], [1e3, -1], [-1e3, -1]])
@@ -317,7 +330,7 @@ def test_users_axes_are_kept_and_get_no_legend():
 @pytest.mark.parametrize("scene, options, error, says", [
     (frame(3), dict(color="sped"), ValueError, "orientation"),
     (frame(3), dict(color=[1, 2]), ValueError, "each of the 3 grains"),
-    (frame(3), dict(contacts="forces"), ValueError, "'force'"),
+    (frame(3), dict(contacts="forces"), ValueError, "expected None, 'force', 'type', 'mob"),
     (pressed(3, 1, 1, friction=np.array([np.nan, 1])), dict(contacts="mobilization"), ValueError,
      "µ is NaN for 1 of 2 contacts with a force; .*the attribute friction, or choose 'force'"),
     (frame(3), dict(color="speed", cmap="nope"), ValueError,

@@ -142,6 +142,13 @@ def test_the_rate_is_that_of_the_summaries(folders, result, rates, says):
     assert report_text._sheared(runs, result).endswith(says)
 
 
+def test_one_elongation_is_not_called_each(folders):
+    runs = [Run.read(folders[-1])]
+    value = dict(eta=[0.5], seeds=[1], particles=[300])
+    first = report_text._sheared(runs, dict(O1=dict(value=value)))
+    assert first.startswith("For the elongation η = 0.5, 1 random packing")
+
+
 def with_approach(run, approach):
     run.record = dict(parameters=dict(approach=approach), run="x")
     return run

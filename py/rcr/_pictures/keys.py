@@ -6,7 +6,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
 from rcr._pictures import drawing
 from rcr._pictures.drawing import FOOT, SCALE_ROW, STRONG, TYPES, WEAK
@@ -97,7 +97,8 @@ def _add_bar(figure, left, mappable, label, ticks=None):
     height = figure.get_figheight()
     scale = figure.add_axes((left, 0.17 / height, 0.38, 0.09 / height))
     numbers = ScalarFormatter(useOffset=False, useMathText=True)
-    style = dict(orientation="horizontal", ticks=ticks, format=numbers)
+    few = MaxNLocator(5, steps=[1, 2, 5, 10]) if ticks is None else ticks
+    style = dict(orientation="horizontal", ticks=few, format=numbers)
     shown = figure.colorbar(mappable, cax=scale, **style)
     numbers.set_locs(shown.get_ticks())
     power = numbers.get_offset()  # part of the label: below the scale it would be cut off

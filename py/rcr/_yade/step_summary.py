@@ -9,6 +9,7 @@ from yade.wrapper import Omega
 
 from rcr import _plugin
 
+LEAST_ERROR = 1e-4  # below it, a step misses for another reason, such as an overlap
 _counts = dict(steps=0, missed=0, yielded=0, deepest=0.0, largest_error=0.0)
 _before = dict(_counts)  # of the present scene, at the last `add`
 _clock = dict(begun=None, first=0, seconds=0.0, steps=0)
@@ -76,10 +77,12 @@ def _missed():
         return "all converged"
     share = f"{missed} of {steps} did not converge ({100 * missed / steps:.3g} %)"
     without = f", {yielded} of them without a solution" if yielded else ""
-    return f"{share}{without}, error up to {largest_error()}"
+    return f"{share}{without}, error {largest_error()}"
 
 
 def largest_error():
-    """Return the largest estimated error of the missed steps as text; it counts at most as 1."""
+    """Return the bound of the estimated errors of the missed steps as text; they count up to 1."""
     error = _counts["largest_error"]
-    return f"{100 * error:.2g} %" if error < 1 else "100 % or more"
+    if error < LEAST_ERROR:
+        return f"below {100 * LEAST_ERROR:g} %"
+    return f"up to {100 * error:.2g} %" if error < 1 else "up to 100 % or more"

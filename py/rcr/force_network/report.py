@@ -34,8 +34,8 @@ _ROWS = (  # name, value of the measures of a set, what it is
     ("θσ", lambda m: f"{math.degrees(m['stress_angle']):.0f}°", "direction of σ₁ from x"),
     ("I_M", lambda m: _text(m["friction_mobilization"]), "mean of |f_t|/(µ f_n)"),
     ("C(f, ℓ)", lambda m: _text(m["c_f_l"]), "correlation of force and branch length"),
-    ("chains", lambda m: f"{m['chains']['count']:.3g} of {_text(m['chains']['grains'])} grains, "
-     f"longest {m['chains']['longest']}", "force chains of a network; rule: Peters et al. 2005"),
+    ("chains", lambda m: _chains(**m["chains"]),
+     "force chains of a network; rule: Peters et al. 2005"),
     ("in chains", lambda m: _text(m["chains"]["share"]), "share of the grains with a contact"),
 )
 _CAPTIONS = {
@@ -119,11 +119,20 @@ def _caption(name):
 
 
 def _text(value):
-    return "unknown" if math.isnan(value) else f"{value:.3g}"
+    text = f"{abs(value):.3g}"
+    return "unknown" if math.isnan(value) else f"−{text}" if value < 0 else text
+
+
+def _chains(count, grains, longest, **_):
+    """Return the number of chains and their sizes; the mean of no chain is unknown."""
+    sizes = f", with {grains:.3g} grains on average, {longest} at most" if count else ""
+    return f"{count:.3g}{sizes}"
 
 
 def _fit(found, name):
-    """Return an exponent with its error."""
+    """Return an exponent with its error, both with the first digit of the error as their last."""
     if found is None or math.isnan(found[name]):
         return "unknown"
-    return f"{found[name]:.3g} ± {found[f'{name}_error']:.1g}"
+    value, error = found[name], found[f"{name}_error"]
+    digits = max(0, -math.floor(math.log10(error)))
+    return f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "−")

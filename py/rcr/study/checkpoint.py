@@ -13,12 +13,12 @@ import shutil
 from yade.wrapper import Omega
 
 from rcr._data import files
+from rcr.study.progress import CHECKPOINT
 from rcr.study.protocol import check_parameters
 from rcr.study.records import HISTORY_COLUMNS
 
 O = Omega()
 
-CHECKPOINT = "checkpoint.yade.gz"
 STATES = "state-*.yade.gz"  # checkpoints to which a test returns if it jams; * is the strain
 KEPT_STATES = 2
 NETWORKS = "network-*.h5"

@@ -4,8 +4,11 @@ Needs Python alone.
 """
 
 import contextlib
+import os
 import pathlib
+import sys
 
+CHECKPOINT = "checkpoint.yade.gz"  # from which a stopped test continues
 FILE = ".progress"
 
 
@@ -32,3 +35,12 @@ def read(folder):
 def remove(folder):
     """Remove the file at the end of the test."""
     pathlib.Path(folder, FILE).unlink(missing_ok=True)
+
+
+def columns():
+    """Return the width of a bar of tqdm on stderr: None, or 80 if the terminal does not know its own.
+
+    Such a terminal, as that of `script` in a job, has the width 0, for which tqdm ignores the
+    format of the bar.
+    """
+    return 80 if sys.stderr.isatty() and os.get_terminal_size(sys.stderr.fileno())[0] == 0 else None

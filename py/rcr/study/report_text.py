@@ -27,12 +27,14 @@ def lead(runs, analysis, table, paper):
 def _sheared(runs, analysis):
     value = analysis["O1"]["value"]
     etas, seeds, end = listed(value["eta"]), spread(value["seeds"], "{:.0f}"), _end(runs)
-    kinds = "" if len(value["eta"]) == 1 else " (0 is a disc, values near 1 are needles)"
+    each, kinds = "each", " (0 is a disc, values near 1 are needles)"
+    if len(value["eta"]) == 1:
+        each, kinds = "the", ""
     several = seeds != "1"
     packings = (f"{seeds} random packing{'s' * several} (seed{'s' * several}) of "
                 f"{spread(value['particles'], '{:.0f}')} grains in two dimensions")
     start = spread([run.from_strain for run in runs], "{:.2g}")
-    return (f"For each elongation η = {etas}{kinds}, {packings} {'were' if several else 'was'} "
+    return (f"For {each} elongation η = {etas}{kinds}, {packings} {'were' if several else 'was'} "
             "sheared in a biaxial test (the top wall moves down, the lateral stress is constant) up "
             f"to a strain of {end}; values are means over strains of {start} to {end}, at "
             f"{_rate(runs)}.")

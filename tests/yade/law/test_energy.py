@@ -67,6 +67,27 @@ def test_column_that_collapses(law):
     assert off < 0.01 * released and never_gives(dissipated, released)
 
 
+def test_the_total_gains_the_work_of_a_load():
+    """A piston compacts grains: its work is Σ F · v dt; its path lacks what correction lifts."""
+    m, rng = material(0.5), np.random.default_rng(3)
+    box = walls(m, x=(0, 1.0), y=(0,))
+    grains = [rcr.particle((0.12 + 0.25 * i, 0.12 + 0.24 * j), 0.1, 0.5, rng.uniform(0, 3),
+                           material=m) for i in range(4) for j in range(6)]
+    load = -1e4  # [N] on the unit length between the side walls
+    *_, piston = build(*box, *grains, rcr.mobile_wall("y", 1.6, 100, sense=-1, material=m),
+                       before=[rcr.WallStress(wall=3 + len(grains), start=0, end=1, stress=load)],
+                       tolerance=1e-6)
+    O.trackEnergy = True
+    work, state = 0.0, O.bodies[piston].state
+    for _ in range(1500):
+        O.step()
+        work += load * state.vel[1] * O.dt
+    path = 1.6 - state.pos[1]
+    assert path > 0.1 and state.vel.norm() < 1e-6
+    assert O.energy.total() == pytest.approx(work, rel=1e-8)
+    assert work > -load * path
+
+
 @pytest.mark.parametrize("mu", [0.2, 0.5, 1.0])
 @pytest.mark.parametrize("restitution", [0.3, 0.8])
 def test_a_bounce_with_slip_reversal_never_lowers_an_account(mu, restitution):

@@ -1,17 +1,24 @@
 """scripts/campaign: killed runs continue to the same results; errors take one line."""
 
+import fcntl
 import json
 import os
+import pty
 import re
+import select
 import shlex
 import shutil
 import signal
+import struct
 import subprocess
+import sys
+import termios
 
 import pytest
 import signals
 from common import ended
 from forked import SCRIPTS
+from rcr.study import progress
 from run_contents import campaign_contents, contents, different, start_until_written
 
 CAMPAIGN = f"{SCRIPTS}/campaign"
@@ -82,6 +89,37 @@ def test_a_test_between_two_updates_has_its_line(tmp_path, capsys, monkeypatch):
     assert capsys.readouterr().err == "campaign.py: short: complete, q/p = 0.250\n"
 
 
+@needs_environment
+@pytest.mark.parametrize("wide", [90, 0], ids=["wide", "unknown"])
+def test_bars_on_a_terminal_of_any_width(tmp_path, monkeypatch, wide):
+    """`script` without a terminal, and some editors, give theirs the width 0."""
+    monkeypatch.syspath_prepend(f"{SCRIPTS}/lib")
+    from campaign_progress import Test
+
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("4H", 30, wide, 0, 0))
+    with open(theirs, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        tests = [Test(name, tmp_path / name, 0.2) for name in ("first", "last")]
+        for test in tests:
+            test.folder.mkdir()
+            progress.write(test.folder, 0.1, 0.4)
+            test.update()
+        for test in tests:
+            (test.folder / "summary.json").write_text('{"sin_phi": 0.25}')
+            progress.remove(test.folder)
+            test.update()
+        shown = b""
+        while select.select([ours], [], [], 0)[0]:
+            shown += os.read(ours, 1 << 16)
+    os.close(ours)
+    shown = shown.decode()
+    assert f"first: strain 0.100 of 0.2 |{'█' * 9}▌{' ' * 14}| ? left" in shown
+    for name in "first", "last":  # from the left edge of the terminal
+        before, line, _ = re.sub("\x1b\\[A", "", shown).partition(f"campaign.py: {name}: complete")
+        assert line and before[-1] in "\r\n"
+
+
 @needs_snakemake
 def test_a_terminal_shows_each_test_that_runs(tmp_path):
     """Snakemake prints nothing between the bars."""
@@ -141,6 +179,18 @@ def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
         log = out / "runs" / f"particles-60-strain-0.0005-eta-0.5-seed-{seed}" / "log"
         assert f"{log}: biaxial.py: --strain 0.0005: expected at least 0.001" in line
     assert line.endswith("continue with the same command")
+
+
+@needs_snakemake
+def test_the_first_line_counts_the_resumed_tests(tmp_path):
+    """Both tests end at once, since the strain is too small."""
+    begun = tmp_path / "runs" / "particles-60-strain-0.0005-eta-0.5-seed-2"
+    begun.mkdir(parents=True)
+    (begun / "checkpoint.yade.gz").touch()
+    done = ended(CAMPAIGN, "--out", tmp_path, *SMALL, "--strain", "0.0005", "--seeds", "2,3",
+                 "--jobs", "2", code=None)
+    assert done.stderr.startswith("campaign.py: 2 tests of 60 grains to a strain of 0.0005, "
+                                  "0 complete, 1 resumed; 2 at a time, then")
 
 
 @needs_snakemake
