@@ -163,10 +163,7 @@ def inscribed_radius(shape):
     if not isinstance(shape, rcr.RoundedPolygon):
         return math.inf
     if shape not in _inscribed:
-        corners = np.array(shape.vertices)
-        along = np.roll(corners, -1, axis=0) - corners
-        across = corners[:, 0] * along[:, 1] - corners[:, 1] * along[:, 0]
-        _inscribed[shape] = (across / np.hypot(*along.T)).min() + shape.radius
+        _inscribed[shape] = rcr._kernel.polygon_radii(shape.vertices, shape.radius)[1]
     return _inscribed[shape]
 
 
