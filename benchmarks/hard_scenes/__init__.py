@@ -9,12 +9,12 @@ import math
 import time
 from functools import partial
 
-from . import contacts, driven, impacts, rest  # noqa: F401: they fill SCENES
+from . import contacts, driven, impacts, polygons, rest  # noqa: F401: they fill SCENES
 from .stage import COARSE, DT, SCENES, Clock, ContactDynamics, D, Smooth, build, farthest
 
 __all__ = ["COARSE", "DT", "SCENES", "TIGHT", "ContactDynamics", "Result", "Smooth", "run", "title"]
 
-TUNNEL = 1.0  # overlap over the smaller cap radius at which a contact reaches a centre line
+TUNNEL = 1.0  # overlap over the smaller inscribed radius at which a contact reaches a centre line
 TIGHT = ContactDynamics(dict(tolerance=1e-10, accuracy=1e-5))  # without solver errors
 BLOW_UP = 0.05  # energy gain over the scale; time stepping gives some per cent at 10 dt
 
@@ -29,7 +29,7 @@ class Result:
 
     measured: float  # value of the predicate
     gain: float  # largest energy gain over the scale of the scene [-]
-    overlap: float  # largest overlap over the smaller cap radius [-]
+    overlap: float  # largest overlap over the smaller inscribed radius [-]
     steps: int
     seconds: float  # processor time
     holds: bool  # measured ≤ BOUND

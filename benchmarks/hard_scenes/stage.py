@@ -24,6 +24,7 @@ COARSE = 10 * DT
 SAMPLES = 1000  # of an advance of the clock, at most about
 X = 0.1234567  # x of stacks [m]; at 0 sums would be exact, without rounding
 
+_inscribed = {}  # inscribed radii of the polygons of the present scene [m]
 _pushes = {}  # constant forces on bodies of the present scene, by id; YADE cannot list them
 
 
@@ -63,10 +64,14 @@ def build(law, dt, *bodies, gravity=(0, -G, 0), restitution=0):
         body.material.young = law.young
     O.reset()
     _pushes.clear()
+    _inscribed.clear()
     O.dt = dt
     ip2, law2, *solver = law.parts(restitution)
-    boxes = [rcr.Bo1_Rcr_Aabb(), w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb()]
-    points = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom()]
+    boxes = [rcr.Bo1_Rcr_Aabb(), rcr.Bo1_RoundedPolygon_Aabb(), w.Bo1_Wall_Aabb(),
+             w.Bo1_Box_Aabb()]
+    points = [getattr(rcr, f"Ig2_{pair}_RcrGeom")() for pair in (
+        "Rcr_Rcr", "Wall_Rcr", "Box_Rcr", "RoundedPolygon_RoundedPolygon", "Wall_RoundedPolygon",
+        "Rcr_RoundedPolygon")]
     O.engines = [w.ForceResetter(), w.InsertionSortCollider(boxes, verletDist=0.1 * R),
                  w.InteractionLoop(points, [ip2], [law2]), *solver,
                  w.NewtonIntegrator(gravity=gravity, damping=0)]
@@ -151,13 +156,23 @@ def _work_of(prescribed):
         for b in prescribed)
 
 
+def inscribed_radius(shape):
+    """Inscribed radius of a grain about its centre [m]; infinite for an obstacle."""
+    if isinstance(shape, rcr.Rcr):
+        return shape.capRadius
+    if not isinstance(shape, rcr.RoundedPolygon):
+        return math.inf
+    if shape not in _inscribed:
+        _inscribed[shape] = rcr._kernel.polygon_radii(shape.vertices, shape.radius)[1]
+    return _inscribed[shape]
+
+
 def deepest():
-    """Largest overlap over the cap radius of the smaller body [-]; 0 without overlaps."""
+    """Largest overlap over the inscribed radius of the smaller body [-]; 0 without overlaps."""
     overlaps = [0.0]
     for i in real_contacts():
-        radii = [s.capRadius for s in (O.bodies[k].shape for k in (i.id1, i.id2))
-                 if isinstance(s, rcr.Rcr)]
-        overlaps += [-gap / min(radii) for gap in tuple(i.geom.gap)[: i.geom.points]]
+        radius = min(inscribed_radius(O.bodies[k].shape) for k in (i.id1, i.id2))
+        overlaps += [-gap / radius for gap in tuple(i.geom.gap)[: i.geom.points]]
     return max(overlaps)
 
 
@@ -172,7 +187,7 @@ class Clock:
 
     `gain` [J/m] is the largest kinetic energy beyond that of the start and the work of loads and
     drives: 0 if contacts give no energy. `scale` [J/m] is the kinetic energy of the start and the
-    work of all loads over d. `overlap` is over the cap radius of the smaller body; at 1 bodies
+    work of all loads over d. `overlap` is over the inscribed radius of the smaller body; at 1 bodies
     tunnel.
     """
 

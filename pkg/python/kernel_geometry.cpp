@@ -89,6 +89,19 @@ namespace {
 		        n, [&](py::ssize_t i) { return contactPoints(one, at1[i], two, at2[i], maxGap); });
 	}
 
+	/// Manifolds of the half plane y ≤ 0 and a rounded polygon at many poses.
+	py::dict overlapFloor(
+	        const Array& vertices, double radius, const Array& pose, double maxGap)
+	{
+		PlanarShape floor;
+		floor.kind = PlanarShape::wall, floor.axis = 1, floor.sense = 1;
+		const PlanarShape polygon = polygonShape(vertices, radius);
+		const py::ssize_t n       = rowsOf(pose);
+		const auto        at      = posesFrom(pose, "pose", n);
+		return manifolds(
+		        n, [&](py::ssize_t i) { return contactPoints(floor, {}, polygon, at[i], maxGap); });
+	}
+
 	/// Binds the manifolds of bodies of shape One and stadia; `names`: of both shapes and poses.
 	template <class One>
 	void bindOverlap(py::module_& m, const char* function, const std::array<const char*, 4>& names,
@@ -171,6 +184,16 @@ void bindGeometry(py::module_& m)
 	        "vertices"_a, "radius"_a,
 	        "Area [m²], centroid [m] and ∫ |x − centroid|² dA [m⁴] of a rounded polygon. A\n"
 	        "ValueError says what is wrong with its vertices (n, 2) [m] or its rounding radius [m].");
+	m.def("overlap_floor", overlapFloor, "vertices"_a, "radius"_a, "pose"_a, "max_gap"_a,
+	        "Manifolds of the half plane y ≤ 0 and a rounded polygon at N poses (N, 3).");
+	m.def(
+	        "polygon_radii",
+	        [](const Array& vertices, double rounding) {
+		        const PlanarShape shape = polygonShape(vertices, rounding);
+		        return py::make_tuple(shape.radius(), shape.inscribedRadius());
+	        },
+	        "vertices"_a, "radius"_a,
+	        "Circumscribed and inscribed radius [m] of a rounded polygon about the origin.");
 	m.def("overlap_wall", overlapWall, "origin"_a, "normal"_a, "stadium"_a, "pose"_a, "max_gap"_a,
 	        manifold);
 	m.def("deposit", depositArrays, "radii"_a, "width"_a,

@@ -20,6 +20,7 @@ import children
 import scene_fuzzer
 from scene_fuzzer import R, scenes
 
+KINDS = ["Rcr", "Sphere", "RoundedPolygon"]
 RUNNERS = 3  # most PyRunners of a scene
 PLACES = ["first", "before solver", "after solver", "last"]
 COLUMNS = 7
@@ -34,7 +35,7 @@ def of_a_grain(change):
     """The event of a function of a grain that can move, if there is one, and random numbers."""
 
     def event(rng):
-        free = [b for b in O.bodies if type(b.shape).__name__ in ("Rcr", "Sphere") and b.dynamic]
+        free = [b for b in O.bodies if type(b.shape).__name__ in KINDS and b.dynamic]
         if free:
             change(free[rng.integers(len(free))], rng)
 
@@ -64,6 +65,17 @@ def new_material(body, rng):
     body.mat = w.FrictMat(density=1000, frictionAngle=rng.uniform(0, 0.8), young=1e7)
 
 
+def reshape(body, rng):
+    """Makes a grain smaller; its mass stays."""
+    shape, factor = body.shape, rng.uniform(0.8, 1)
+    if isinstance(shape, w.Sphere):
+        shape.radius *= factor
+    elif isinstance(shape, rcr.Rcr):
+        shape.halfLength *= factor
+    else:
+        shape.vertices = [factor * v for v in shape.vertices]
+
+
 def material(rng):
     of_a_grain(new_material)(rng)
     O.materials[0].frictionAngle = rng.uniform(0, 0.8)
@@ -87,12 +99,13 @@ def look(rng):
 
 BLOCKED = ["xzXY", "yzXY", "zXYZ", "xyzXYZ", "zXY"]
 EVENTS = dict(  # each changes the scene during a run
-    insert=lambda rng: scene_fuzzer.grain(["Rcr", "Sphere"][rng.integers(2)], above(rng)[:2],
+    insert=lambda rng: scene_fuzzer.grain(KINDS[rng.integers(3)], above(rng)[:2],
                                           rng.uniform(0, 0.9), 1.0, O.materials[0], rng),
     erase=of_a_grain(lambda body, rng: O.bodies.erase(body.id)),
     teleport=of_a_state(pos=above),
     kick=of_a_state(vel=lambda rng: (*rng.uniform(-8, 8, 2), 0)),
     spin=of_a_state(angVel=lambda rng: (0, 0, rng.uniform(-300, 300))),
+    reshape=of_a_grain(reshape),
     turn=of_a_state(ori=lambda rng: Quaternion((0, 0, 1), rng.uniform(0, 3))),
     push=of_a_grain(lambda body, rng: (
         O.forces.addF(body.id, (*rng.uniform(-500, 500, 2), 0)),
@@ -137,11 +150,12 @@ def draw(seed):
     return dict(
         seed=seed, law="rigid",
         count=int(rng.integers(3, 40)), eta=pick(0.0, 0.3, 0.6, 0.9),
-        kinds=pick(["Rcr"], ["Rcr", "Sphere"], ["Sphere"], ["Rcr"] * 5 + ["moving clump"]),
+        kinds=pick(["Rcr"], ["Rcr", "Sphere"], ["Sphere"], ["Rcr"] * 5 + ["moving clump"],
+                   ["RoundedPolygon"], KINDS),
         friction=pick(0.0, 0.3, 0.8), restitution=pick(0.0, 0.0, 0.5, 1.0),
         gravity=pick(0.0, 9.81), dt=pick(2e-4, 1e-3, 2e-3), solver=pick("auto", "nlgs", "nesterov"),
         threads=pick(1, 1, 2), overdamped=pick(*[False] * 9, True),
-        floor=pick("Wall", "Box", "Facet", "Rcr"), turning=pick(False, False, True),
+        floor=pick(*scenes.FLOORS), turning=pick(False, False, True),
         speed=pick(0.0, 0.5, 5.0, 20.0), motion=pick(*MOTIONS), strength=pick(0.3, 1.0, 5.0),
         blocked=pick(0, 0, 0, 3), violent=pick(0, 0, 2),
         runs=[int(n) for n in rng.integers(20, 400, rng.integers(1, 4))],

@@ -29,7 +29,8 @@ WIDTH = 24 * R  # of the box of soak.py [m]
 CELL = 13.4 * R  # width of a periodic cell, in which images of a full row nearly meet [m]
 DEEPEST = 0.01  # largest overlap of free grains over R₁ + R₂
 SPEED = 3.0  # largest speed over that of start, drives and fall
-KINDS, SHARES = ["Rcr", "Sphere", "moving clump"], [0.6, 0.3, 0.1]  # of grains
+KINDS = ["Rcr", "Sphere", "RoundedPolygon", "moving clump"]  # of grains
+SHARES = [0.35, 0.2, 0.35, 0.1]
 
 
 def draw(rng):
@@ -45,7 +46,7 @@ def draw(rng):
         solver=str(rng.choice(["auto", "nlgs", "sor", "nesterov", "exact"])),
         threads=int(rng.integers(1, 4)), overdamped=bool(rng.random() < 0.05),
         kinds=[str(k) for k in rng.choice(KINDS, 25, p=SHARES)],
-        floor=str(rng.choice(["Wall", "Box", "Facet", "Rcr", "none"])),
+        floor=str(rng.choice([*scenes.FLOORS, "none"])),
         turning=bool(rng.random() < 0.1), speed=float(rng.choice([0, 1, 20])),
         energy=bool(rng.random() < 0.3),
         gradient=[float(g) for g in rng.choice([0, 0, -1, 0.5], 4)] if periodic else None,
@@ -68,6 +69,20 @@ def add_turning_box(center, material):
     set_state(O.bodies.append(box), angVel=(0, 0, 5))
 
 
+def corners_of(rng, size, eta):
+    """Corners and rounding radius of a random polygon with the circumscribed radius `size` [m].
+
+    3 to 8 corners lie on an ellipse of the elongation `eta`.
+    """
+    count, rounding = int(rng.integers(3, 9)), float(rng.choice([0, 0, 0.05, 0.3]))
+    turn = 2 * np.pi / count * (np.arange(count) + rng.uniform(-0.4, 0.4, count))
+    corners = np.column_stack([np.cos(turn), (1 - eta) * np.sin(turn)])
+    for _ in range(20):  # the rounding moves the centroid
+        corners = corners - rcr._kernel.polygon_moments(corners, rounding)[1]
+        corners *= (1 - rounding) / np.hypot(*corners.T).max()
+    return size * corners, size * rounding
+
+
 def grain(kind, at, eta, speed, material, rng):
     """Append a grain of this kind with a velocity up to `speed` along each axis; a clump rests."""
     more = dict(material=material, velocity=tuple(rng.uniform(-1, 1, 2) * speed),
@@ -76,6 +91,9 @@ def grain(kind, at, eta, speed, material, rng):
         O.bodies.append(rcr.disc(at, R, **more))
     elif kind == "Rcr":
         O.bodies.append(rcr.particle(at, R, eta, angle=rng.uniform(0, 3), **more))
+    elif kind == "RoundedPolygon":
+        corners, rounding = corners_of(rng, R, eta)
+        O.bodies.append(rcr.polygon(at, corners, rounding, angle=rng.uniform(0, 3), **more))
     else:
         half = R / 2
         members = [rcr.disc((at[0] + s * half, at[1]), half, material=material) for s in (-1, 1)]
@@ -145,6 +163,20 @@ def put_box(make, *arguments, **options):
     O.bodies.append(make(*arguments, material=O.materials[0], **options))
 
 
+def a_polygon():
+    """The first loose polygon, or None."""
+    return next((b for b in loose_grains() if isinstance(b.shape, rcr.RoundedPolygon)), None)
+
+
+def reshape(**values):
+    """Set attributes of a polygon, which refuses them."""
+    for name, value in values.items():
+        try:
+            setattr(a_polygon().shape, name, value)
+        except ValueError:
+            pass
+
+
 FAULTS = {  # {fault: (what the scene needs, function of the first loose grain)}
     "no solver": ("rigid", lambda b: without(rcr.ContactDynamics)),
     "dead solver": ("rigid", lambda b: setattr(solver(), "dead", True)),
@@ -164,6 +196,11 @@ FAULTS = {  # {fault: (what the scene needs, function of the first loose grain)}
     "stock geometry": ("", lambda b: put(
         O.engines[2].geomDispatcher, *O.engines[2].geomDispatcher.functors,
         w.Ig2_Sphere_Sphere_ScGeom())),
+    "no vertices": ("polygon", lambda b: reshape(vertices=[])),
+    "negative rounding": ("polygon", lambda b: reshape(radius=-1)),
+    "clockwise": ("polygon", lambda b: reshape(vertices=a_polygon().shape.vertices[::-1])),
+    "no functors of polygons": ("polygon two", lambda b: put(O.engines[2].geomDispatcher, *[
+        f for f in O.engines[2].geomDispatcher.functors if "Polygon" not in type(f).__name__])),
     "nan position": ("grain", lambda b: set_state(b.id, pos=(NAN, 0, 0))),
     "nan velocity": ("grain", lambda b: set_state(b.id, vel=(NAN, 0, 0))),
     "nan orientation": ("grain", lambda b: set_state(b.id, ori=Quaternion(NAN, NAN, NAN, NAN))),
@@ -190,9 +227,9 @@ FAULTS = {  # {fault: (what the scene needs, function of the first loose grain)}
 def spoil(scene):
     """Put the fault into the scene; False where it does not apply, "late" if a contact shows it."""
     fault, body = scene["fault"], next(iter(loose_grains()), None)
-    grains = sum(isinstance(b.shape, (rcr.Rcr, w.Sphere)) for b in O.bodies)
+    grains = sum(isinstance(b.shape, (rcr.Rcr, rcr.RoundedPolygon, w.Sphere)) for b in O.bodies)
     there = dict(rigid=scene["law"] == "rigid", grain=body is not None, two=grains > 1,
-                 open=not scene["periodic"], cell=scene["periodic"])
+                 polygon=a_polygon() is not None, open=not scene["periodic"], cell=scene["periodic"])
     needs, change = FAULTS.get(fault, ("none", None))
     if not all(there.get(need) for need in needs.split()):
         return False

@@ -100,6 +100,8 @@ FLOORS = {
     "Box": lambda m: yade.utils.box((0, -0.5, 0), (9, 0.5, 1), material=m, fixed=True),
     "Facet": lambda m: yade.utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=m),
     "Rcr": lambda m: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=m),
+    "RoundedPolygon": lambda m: rcr.polygon(
+        (0, -0.5), [(9, 0.4), (-9, 0.4), (-9, -0.4), (9, -0.4)], 0.1, fixed=True, material=m),
 }
 
 

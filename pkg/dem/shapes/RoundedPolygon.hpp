@@ -10,6 +10,9 @@ public:
 	~RoundedPolygon() override;
 	void postLoad(RoundedPolygon&); // throws if an attribute is invalid
 
+	/// Message about an invalid attribute; empty: none.
+	std::string attributeError() const;
+
 	rcr::PlanarShape planar; // its shape in the plane, by postLoad
 
 	// clang-format off

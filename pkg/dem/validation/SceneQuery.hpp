@@ -23,6 +23,9 @@ template <class Functor, class List> bool has(const List& functors)
 /// A live engine and the live engines that it combines; none of a dead engine.
 std::vector<const Engine*> livePartsOf(const Engine&);
 
+/// Returns true for a grain that YADE's engines for spheres leave out.
+bool isNoSphere(const Body&);
+
 struct SceneQuery {
 	const Scene&                           scene;
 	const std::vector<shared_ptr<Engine>>& engines;
@@ -63,6 +66,11 @@ struct SceneQuery {
 		for (const auto& b : *scene.bodies)
 			if (b && dynamic_cast<const Shape*>(b->shape.get())) return b.get();
 		return nullptr;
+	}
+	bool hasNoSphere() const
+	{
+		return std::any_of(scene.bodies->begin(), scene.bodies->end(),
+		        [](const auto& b) { return b && isNoSphere(*b); });
 	}
 };
 

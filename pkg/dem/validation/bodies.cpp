@@ -102,8 +102,11 @@ std::string bodyError(const Body& b, const rcr::PlanarShape& shape, Real z)
 	if (shape.grain() && !(shape.inscribedRadius() > 0))
 		return name() + " has the cap radius " + text(shape.inscribedRadius())
 		        + "; expected a length > 0: set b.shape.capRadius, or radius of a disc.";
-	if (shape.kind == rcr::PlanarShape::none && dynamic_cast<const RoundedPolygon*>(b.shape.get()))
-		return name() + " is a RoundedPolygon without vertices; make it by rcr.polygon.";
+	if (const auto* polygon = dynamic_cast<const RoundedPolygon*>(b.shape.get());
+	        polygon && shape.kind == rcr::PlanarShape::none)
+		return name() + " is a RoundedPolygon"
+		        + (polygon->vertices.empty() ? " without vertices; make it by rcr.polygon."
+		                                     : ": " + polygon->attributeError());
 	if (const std::string error = motionError(b); !error.empty()) return error;
 	// the shape turns with its body about z only; Walls never turn, Facets may be tilted
 	const bool flat = b.isClump() || shape.grain() || shape.kind == rcr::PlanarShape::box;
@@ -150,8 +153,7 @@ std::string invalidBodies(const SceneQuery& v)
 	return {};
 }
 
-/// Returns true for a grain that YADE's engines for spheres leave out.
-static bool isNoSphere(const Body& b)
+bool isNoSphere(const Body& b)
 {
 	return isGrain(b) && !dynamic_cast<const Sphere*>(b.shape.get());
 }

@@ -204,8 +204,7 @@ std::string timeStepper(const SceneQuery& v)
 std::string firstTimeStep(const SceneQuery& v)
 {
 	const auto* stepper = v.first<GlobalStiffnessTimeStepper>();
-	if (!stepper || !stepper->active || stepper->defaultDt > 0) return {};
-	if (!v.body<Rcr>() && !v.body<RoundedPolygon>()) return {};
+	if (!stepper || !stepper->active || stepper->defaultDt > 0 || !v.hasNoSphere()) return {};
 	return "GlobalStiffnessTimeStepper.defaultDt = " + text(stepper->defaultDt)
 	        + " would set O.dt = 1 s while no grains touch; set defaultDt = 0.5 * "
 	          "rcr.critical_time_step().";

@@ -205,8 +205,8 @@ void refuseUnsupported(const Scene& scene, Body::id_t id1, Body::id_t id2)
 	const std::string functor = functorFor(one.shape->getClassName(), two.shape->getClassName());
 	refuse("no Ig2 functor of the InteractionLoop handles ", shapesOf(one, two),
 	        ", so they would pass through each other. ",
-	        functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere, Rcr or "
-	                          "RoundedPolygon; obstacles meet grains only."
+	        functor.empty() ? "Obstacles meet grains only: make a grain by rcr.disc, rcr.particle or "
+	                          "rcr.polygon, an obstacle from Wall, Box or Facet."
 	                        : "Add " + functor + " to its first list.");
 }
 

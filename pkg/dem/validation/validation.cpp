@@ -52,7 +52,7 @@ namespace {
 	std::string noLaw(const SceneQuery& v)
 	{
 		if (!v.loop) return {};
-		if (!v.body<Rcr>() && !has<Ig2_Planar_RcrGeom>(v.loop->geomDispatcher->functors)) return {};
+		if (!v.hasNoSphere() && !has<Ig2_Planar_RcrGeom>(v.loop->geomDispatcher->functors)) return {};
 		return "the InteractionLoop has no law for contacts of rcr; put "
 		       "Law2_RcrGeom_CdPhys_SignoriniCoulomb (with ContactDynamics) or "
 		       "Law2_RcrGeom_FrictPhys_CundallStrack into its third list.";

@@ -107,7 +107,7 @@ bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
 /// Message about a body of a contact without a FrictMat; empty: both have one.
 std::string materialError(const Scene&, Body::id_t id1, Body::id_t id2);
 
-bool isGrain(const Body&);  // an Rcr or a disc
+bool isGrain(const Body&);  // an Rcr, a RoundedPolygon or a disc
 bool isKinematic(const Engine&); // it prescribes velocities of its `ids`
 Real planeOf(const Scene&); // height z of the grains; NaN without grains
 

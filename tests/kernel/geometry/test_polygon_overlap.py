@@ -247,6 +247,80 @@ def test_gaps_change_no_faster_than_bodies_move():
         assert (abs(gaps[1] - gaps[0]) <= path * (1 + 1e-6) + ROUNDING).all()
 
 
+@pytest.mark.parametrize("shift", [0, 1e-17, 1e-12, -1e-12])
+@pytest.mark.parametrize("depth", [0, 1e-17, -1e-17, 1e-6, -1e-6])
+@pytest.mark.parametrize("other", [1, 0.5])
+def test_flush_squares_with_a_common_corner(shift, depth, other):
+    """A square on an equal one, or on the end of a larger one, bears at both ends of its side."""
+    square = 0.5 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+    for turn in (0, 0.3, 1, 2.5):
+        c, s = np.cos(turn), np.sin(turn)
+        x, y = 0.5 - 0.5 * other + shift, 0.5 + 0.5 * other - depth
+        pose = np.array([[c * x - s * y, s * x + c * y, turn]])
+        found = _kernel.overlap_polygons(square, 0, np.array([[0, 0, turn]]), other * square, 0,
+                                         pose, ALERT)
+        assert found["count"][0] == 2 and found["type"][0] == SIDE_SIDE
+        assert found["gap"][0] == pytest.approx([-depth, -depth], abs=1e-15)
+        assert found["normal"][0] == pytest.approx(np.array([[-s, c]] * 2), abs=1e-12)
+        along = found["position"][0] @ [c, s]
+        assert np.ptp(along) == pytest.approx(other, abs=1e-9)
+
+
+@pytest.mark.parametrize("angle", [0, 0.1, -0.4, 0.7])
+@pytest.mark.parametrize("corner", [0.05, 0.8, 1.2])
+def test_corners_that_coincide_have_a_normal(angle, corner):
+    """Two triangles of this half angle touch with their corners, on one line or not."""
+    triangle = np.array([[0, 0], [-1, np.tan(corner)], [-1, -np.tan(corner)]])
+    for turn in np.linspace(0, 6, 17):
+        pose = np.array([[0.3, -0.2, turn]]), np.array([[0.3, -0.2, turn + np.pi + angle]])
+        found = _kernel.overlap_polygons(triangle, 0, pose[0], triangle, 0, pose[1], ALERT)
+        assert found["count"][0] >= 1 and np.nanmin(found["gap"][0]) == pytest.approx(0, abs=1e-12)
+        assert np.hypot(*found["normal"][0, 0]) == pytest.approx(1)
+        assert found["normal"][0, 0] @ [np.cos(turn), np.sin(turn)] > 0
+
+
+def test_polygons_on_a_floor():
+    """The lowest corner, and the end of the flatter side that is within the alert distance."""
+    rng = np.random.default_rng(9)
+    both = 0
+    for count in (3, 4, 5, 8, 16):
+        corners, radius = random_polygon(rng, count), rng.choice([0, 0.1])
+        turn = rng.uniform(-np.pi, np.pi, 200)
+        edge = np.roll(corners, -1, axis=0) - corners
+        lying = -np.arctan2(edge[:, 1], edge[:, 0])  # a side on the floor
+        turn = np.concatenate([turn, lying, lying + 1e-9, lying - 1e-3])
+        pose = np.column_stack([0 * turn, 0 * turn, turn])
+        low = in_plane(corners, pose)[..., 1].min(axis=1)
+        pose[:, 1] = radius - low + rng.uniform(-0.5, 1.2, len(turn)) * ALERT
+        found = _kernel.overlap_floor(corners, radius, pose, ALERT)
+        for p, placed in enumerate(in_plane(corners, pose)):
+            k = placed[:, 1].argmin()
+            gap = placed[k, 1] - radius
+            ends = [placed[(k + step) % count] for step in (1, -1)]
+            slope = [(end[1] - placed[k, 1]) / abs(end[0] - placed[k, 0]) for end in ends]
+            second = sorted((s, end[1] - radius) for s, end in zip(slope, ends))
+            expected = [gap] + [g for _, g in second if g <= ALERT][:1]
+            if gap > ALERT:
+                expected = []
+            assert found["count"][p] == len(expected)
+            gaps = found["gap"][p][:len(expected)]
+            assert sorted(gaps) == pytest.approx(sorted(expected), abs=1e-12)
+            assert found["normal"][p][:len(expected)] == pytest.approx(
+                np.array([[0, 1]] * len(expected)).reshape(-1, 2))
+            assert found["position"][p][:len(expected), 1] == pytest.approx(gaps / 2, abs=1e-12)
+            both += len(expected) == 2
+    assert both > 100
+
+
+def test_radii_about_the_centre():
+    rng = np.random.default_rng(2)
+    for count in (1, 2, 3, 5, 16):
+        corners = random_polygon(rng, count)
+        radii = _kernel.polygon_radii(corners, 0.1)
+        nearest = distance_to_outline(np.zeros((1, 2)), corners[None])[0] if count > 2 else 0
+        assert radii == pytest.approx((np.hypot(*corners.T).max() + 0.1, nearest + 0.1))
+
+
 def test_two_vertices_are_a_stadium_to_the_bit():
     stadium1, pose1, stadium2, pose2 = random_pairs(0, 2000)
     for k in range(len(pose1)):
