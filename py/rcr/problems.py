@@ -114,18 +114,10 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     if 0 < fastest < _SLOWEST:
         raise ValueError(f"the largest velocity is {fastest:g}; expected at least {_SLOWEST:g}, "
                          "since squares of smaller numbers vanish: choose other units")
-    start = problem.impulse if warm else np.zeros((problem.contacts, 2))
     if bodies:
-        order = problem.order()
-        arguments = problem.arrays() | dict(impulse=start[order])
-        if not warm:
-            arguments["rolling_impulse"] = np.zeros(problem.contacts)
-        if not problem.rolling_friction.any():
-            arguments = {name: arguments[name] for name in arguments if "rolling" not in name}
-        found = _kernel.solve(**arguments, **settings)
-        for name in {"impulse", "relative_velocity", "rolling_impulse"} & found.keys():
-            found[name][order] = found[name].copy()
+        found = _solve_bodies(problem, warm, settings)
     else:
+        start = problem.impulse if warm else np.zeros((problem.contacts, 2))
         w = problem.row_start, problem.column, problem.block.reshape(-1, 4)
         found = _kernel.solve_delassus(*w, problem.q, problem.friction, start, **settings)
     names = ("iterations", "residual", "converged", "seconds", "impulse", "relative_velocity")
@@ -134,3 +126,18 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
         raise ValueError(f"the result of solver {solver!r} is not finite: masses, velocities or "
                          "entries of W differ too much in size")
     return Solution(solver, problem.contacts, *results, found.get("rolling_impulse"))
+
+
+def _solve_bodies(problem, warm, settings):
+    """Return the results of the kernels for a BodyProblem, with points in its order."""
+    from rcr import _kernel
+
+    arguments, order = problem.arrays(), problem.order()
+    for name in () if warm else ("impulse", "rolling_impulse"):
+        arguments[name] = np.zeros_like(arguments[name])
+    if not problem.rolling_friction.any():
+        arguments = {name: arguments[name] for name in arguments if "rolling" not in name}
+    found = _kernel.solve(**arguments, **settings)
+    for name in {"impulse", "relative_velocity", "rolling_impulse"} & found.keys():
+        found[name][order] = found[name].copy()
+    return found

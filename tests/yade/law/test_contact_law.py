@@ -172,7 +172,8 @@ def test_a_saved_problem_has_pulls_and_rolling_resistance(tmp_path):
     solver().save(str(tmp_path / "step.npz"))
     problem = rcr.problems.load(tmp_path / "step.npz")
     assert problem.pull.max() == pytest.approx(0.5 * O.dt)
-    assert problem.rolling_friction.max() == 0.2 and problem.rolling_length.min() > R
+    assert problem.rolling_friction.max() == 0.2
+    assert (problem.rolling_length[problem.rolling_friction > 0] > 0).all()
     solution = rcr.solve(problem, tolerance=1e-10, warm=True)
     assert solution.converged
     forces = sorted(x for i in O.interactions for x in (i.phys.force1[0], i.phys.force2[0]) if x)
