@@ -129,11 +129,12 @@ Resultant resultantOf(const RcrGeom& geom, const Vector2r& force1, const Vector2
 	const double    one = double(force1[0]), two = double(force2[0]);
 	const rcr::Vec2 at[2] = { plain(geom.position1), plain(geom.position2) },
 	                normal[2] = { plain(geom.normal1), plain(geom.normal2) };
-	if (one + two > 0) {
-		found.position = { (one * at[0].x + two * at[1].x) / (one + two),
-			(one * at[0].y + two * at[1].y) / (one + two) };
+	const double    weight = std::abs(one) + std::abs(two); // adhesion bears tension
+	if (weight > 0) {
+		found.position = { (std::abs(one) * at[0].x + std::abs(two) * at[1].x) / weight,
+			(std::abs(one) * at[0].y + std::abs(two) * at[1].y) / weight };
 	}
-	if (one <= 0 || two <= 0) {
+	if (one == 0 || two == 0) {
 		found.type   = found.type == 2 ? 1 : found.type;
 		found.points = 1;
 		return found;
@@ -148,14 +149,27 @@ Resultant resultantOf(const RcrGeom& geom, const Vector2r& force1, const Vector2
 	return found;
 }
 
+/// Pull of each point under springs [N].
+double springAdhesion(const Scene& scene)
+{
+	for (const auto& engine : scene.engines)
+		if (const auto* loop = dynamic_cast<const InteractionLoop*>(engine.get()))
+			for (const auto& law : loop->lawDispatcher->functors)
+				if (const auto* springs
+				        = dynamic_cast<const Law2_RcrGeom_FrictPhys_CundallStrack*>(law.get()))
+					return double(springs->adhesion);
+	return 0;
+}
+
 /// Adds the row of a contact between bodies of rcr or of YADE's spheres, under any law.
 void addContact(Rows& rows, const Interaction& contact, const std::vector<Grain>& grains,
-        const Scene& scene)
+        const Scene& scene, double adhesionOfSprings)
 {
 	const auto* geom = dynamic_cast<const GenericSpheresContact*>(contact.geom.get());
 	const auto* phys = dynamic_cast<const NormPhys*>(contact.phys.get());
 	if (!geom || !phys) return;
 	Resultant found { plane::toPlane(geom->contactPoint) };
+	double    adhesion = 0, rollingMoment = 0;
 	if (const auto* ours = dynamic_cast<const RcrGeom*>(geom)) {
 		if (ours->points == 0) return;
 		const Vector2r none = Vector2r::Zero();
@@ -163,6 +177,8 @@ void addContact(Rows& rows, const Interaction& contact, const std::vector<Grain>
 		const auto*    spring = dynamic_cast<const RcrFrictPhys*>(phys);
 		found = resultantOf(*ours, rigid ? rigid->force1 : spring ? spring->force1 : none,
 		        rigid ? rigid->force2 : spring ? spring->force2 : none);
+		adhesion = found.points * (rigid ? double(rigid->adhesion) : spring ? adhesionOfSprings : 0);
+		if (rigid) rollingMoment = double(rigid->rollingMoment);
 	}
 	const auto* shear    = dynamic_cast<const NormShearPhys*>(phys);
 	const auto* friction = dynamic_cast<const FrictPhys*>(phys);
@@ -187,7 +203,7 @@ void addContact(Rows& rows, const Interaction& contact, const std::vector<Grain>
 	        { position.x, position.y, normal.x, normal.y, force.x, force.y, branch.x, branch.y,
 	                friction ? double(friction->tangensOfFrictionAngle) : std::nan(""),
 	                sign * found.moments[0], sign * found.moments[1], sign * found.moments[2],
-	                sign * found.moments[3] });
+	                sign * found.moments[3], adhesion, sign * rollingMoment });
 }
 
 } // namespace
@@ -201,13 +217,14 @@ py::tuple sceneColumns()
 	Outlines           outlines;
 	std::vector<Grain> grains(scene.bodies->size());
 	double             z = 0;
+	const double       pull = springAdhesion(scene);
 	for (const auto& body : *scene.bodies)
 		if (body && body->shape)
 			grains[body->id] = addGrain(grainRows, outlines, *body, scene, z);
 	for (const auto& body : *scene.bodies)
 		if (body && body->shape) addObstacle(obstacleRows, *body, z);
 	for (const auto& contact : *scene.interactions)
-		if (contact->isReal()) addContact(contactRows, *contact, grains, scene);
+		if (contact->isReal()) addContact(contactRows, *contact, grains, scene, pull);
 	return py::make_tuple(grainRows.bytes(), contactRows.bytes(), obstacleRows.bytes(),
 	        outlines.shapes.bytes(), outlines.corners.bytes());
 }

@@ -15,14 +15,15 @@ class Frame(Table):
     """The `Table` of the present scene of YADE, or of these attributes.
 
     ``R``, ``center`` and ``shape`` of the grains have defaults: the sum of cap radius and half
-    length, the position, and −1.
+    length, the position, and −1. ``adhesion`` and ``rolling_moment`` of the contacts are 0 by default.
     """
 
     def __init__(self, grains, contacts, **attributes):
         radius = grains["half_length"] + grains["cap_radius"]
         shape = np.full(len(radius), -1)
         self.grains = dict(R=radius, center=grains["position"], shape=shape) | grains
-        self.contacts = contacts
+        none = np.zeros(len(contacts["body1"]))
+        self.contacts = dict(adhesion=none, rolling_moment=none) | contacts
         vars(self).update(attributes)
 
     @classmethod

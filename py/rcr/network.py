@@ -47,7 +47,7 @@ class Network(Table, ForceStatistics):
         ``shape``, by default −1, and ``center``, by default the position.
     contacts : dict of arrays
         Columns of `Table.contacts`. Optional are ``friction``, by default the attribute, and
-        ``point_moments``, by default 0.
+        ``point_moments``, ``adhesion`` and ``rolling_moment``, by default 0.
     attributes : dict
         All are optional: ``volume`` area of the region [m²], ``friction`` between grains [-],
         ``cell`` (2, 2) edges of a periodic cell as columns [m], ``cell_velocity`` (2, 2) their
@@ -72,7 +72,8 @@ class Network(Table, ForceStatistics):
             friction = self.attributes.get("friction", math.nan)
             shape = np.shape(contacts["body1"])
             optional = dict(friction=np.full(shape, friction),
-                            point_moments=np.zeros((*shape, 2, 2)))
+                            point_moments=np.zeros((*shape, 2, 2)),
+                            adhesion=np.zeros(shape), rolling_moment=np.zeros(shape))
             contacts = optional | contacts
         self.particles = network_columns.checked("particles", particles)
         self.contacts = network_columns.checked("contacts", contacts)
@@ -124,7 +125,10 @@ class Network(Table, ForceStatistics):
         from rcr import __version__
 
         def fill(file):
-            groups = dict(particles=dict(self.particles), contacts=self.contacts)
+            groups = dict(particles=dict(self.particles), contacts=dict(self.contacts))
+            for name in ("adhesion", "rolling_moment"):
+                if not self.contacts[name].any():
+                    del groups["contacts"][name]
             if (self.particles["shape"] >= 0).any():
                 groups["shapes"] = outlines.columns(self.shapes)
             else:
@@ -229,7 +233,7 @@ class Network(Table, ForceStatistics):
         return self.xi_networks().shear_stress_ratio(xi)
 
     def friction_mobilization(self):
-        """Return I_m = |f_t|/(µ f_n) of each contact between grains, 0 for µ f_n = 0, (C,) [-].
+        """Return I_m of each contact between grains (`mobilization`), (C,) [-].
 
         A ValueError reports that no contact between grains has µ > 0, or that one has unknown µ.
         """

@@ -9,7 +9,8 @@
 Without bodies b_n is 0, since q contains it.
 
 ========  =======================================================================================
-``.npz``  BodyProblem: arrays a, b, n, ra, rb, bn, mu, p0, im, iI, vfree, meta
+``.npz``  BodyProblem: arrays a, b, n, ra, rb, bn, mu, p0, im, iI, vfree, meta; with adhesion and
+          rolling resistance also pull, rolling_friction, rolling_length, rolling_impulse
 ``.h5``   FCLIB, group ``fclib_local``: spacedim = 2, W (m, n, nz, nzmax, p, i, x), vectors/q,
           vectors/mu; warm start ``guesses/1/r``. Compressed columns (nz = −1), compressed rows
           (−2) or triplets (their number)
@@ -48,20 +49,25 @@ class Solution:
     seconds: float  # of the solver alone
     reaction: np.ndarray  # (nc, 2) impulses, local (n, t)
     velocity: np.ndarray  # (nc, 2) without b_n for a BodyProblem, else u = W p + q; local (n, t)
+    rolling: np.ndarray | None = None  # (nc,) rolling impulses [N s]; None: no rolling friction
 
     def scalars(self):
         """Return the results without arrays, {name: value}."""
         return {field.name: getattr(self, field.name) for field in fields(self)[:6]}
 
     def save(self, path):
-        """Save reaction and velocity as ``.npz`` or ``.h5``; the write is atomic."""
+        """Save reaction, velocity and rolling as ``.npz`` or ``.h5``; the write is atomic."""
+        arrays = dict(reaction=self.reaction, velocity=self.velocity)
+        if self.rolling is not None:
+            arrays["rolling"] = self.rolling
 
         def fill(file):
-            file["reaction"], file["velocity"] = self.reaction, self.velocity
+            for name, values in arrays.items():
+                file[name] = values
             file.attrs.update(self.scalars())
 
         if result_suffix(path) == ".npz":
-            image = npz(np.savez, reaction=self.reaction, velocity=self.velocity)
+            image = npz(np.savez, **arrays)
         else:
             image = files.hdf5(fill)
         files.write(path, image)
@@ -108,14 +114,10 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     if 0 < fastest < _SLOWEST:
         raise ValueError(f"the largest velocity is {fastest:g}; expected at least {_SLOWEST:g}, "
                          "since squares of smaller numbers vanish: choose other units")
-    start = problem.impulse if warm else np.zeros((problem.contacts, 2))
     if bodies:
-        order = problem.order()
-        arguments = problem.arrays() | dict(impulse=start[order])
-        found = _kernel.solve(**arguments, **settings)
-        for name in ("impulse", "relative_velocity"):
-            found[name][order] = found[name].copy()
+        found = _solve_bodies(problem, warm, settings)
     else:
+        start = problem.impulse if warm else np.zeros((problem.contacts, 2))
         w = problem.row_start, problem.column, problem.block.reshape(-1, 4)
         found = _kernel.solve_delassus(*w, problem.q, problem.friction, start, **settings)
     names = ("iterations", "residual", "converged", "seconds", "impulse", "relative_velocity")
@@ -123,4 +125,19 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     if not all(np.isfinite(result).all() for result in results):
         raise ValueError(f"the result of solver {solver!r} is not finite: masses, velocities or "
                          "entries of W differ too much in size")
-    return Solution(solver, problem.contacts, *results)
+    return Solution(solver, problem.contacts, *results, found.get("rolling_impulse"))
+
+
+def _solve_bodies(problem, warm, settings):
+    """Return the results of the kernels for a BodyProblem, with points in its order."""
+    from rcr import _kernel
+
+    arguments, order = problem.arrays(), problem.order()
+    for name in () if warm else ("impulse", "rolling_impulse"):
+        arguments[name] = np.zeros_like(arguments[name])
+    if not problem.rolling_friction.any():
+        arguments = {name: arguments[name] for name in arguments if "rolling" not in name}
+    found = _kernel.solve(**arguments, **settings)
+    for name in {"impulse", "relative_velocity", "rolling_impulse"} & found.keys():
+        found[name][order] = found[name].copy()
+    return found

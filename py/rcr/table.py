@@ -47,7 +47,7 @@ class Table:
         of the resultant [m], ``normal`` (C, 2), ``force`` (C, 2) [N/m], ``branch`` (C, 2) from the
         centre of body 1 to that of body 2, at an obstacle to the position [m], ``friction`` (C,) µ
         or NaN if unknown, ``point_moments`` (C, 2, 2) Σ f ⊗ (x − position) over the contact points
-        x [N].
+        x [N], ``adhesion`` (C,) pull of all points [N/m], ``rolling_moment`` (C,) on body 2 [N].
     shapes : list of `rcr.outlines.Outline`
         Outlines of polygons, over their R.
     walls : dict of arrays
@@ -128,13 +128,13 @@ class Table:
         return np.einsum("ca,ca->c", self.contacts["force"], self.contacts["normal"])
 
     def mobilization(self):
-        """Return |f_t|/(µ f_n) of each contact, (C,) [-].
+        """Return |f_t|/(µ (f_n + f_a)) of each contact with the pull f_a of adhesion, (C,) [-].
 
         It is NaN if µ is unknown, else 0 without force or friction.
         """
         normal, n, force = self.normal_force(), self.contacts["normal"], self.contacts["force"]
         tangential = np.abs(force[:, 1] * n[:, 0] - force[:, 0] * n[:, 1])
-        limit = self.contacts["friction"] * normal
+        limit = self.contacts["friction"] * (normal + self.contacts["adhesion"])
         other = np.where(np.isnan(limit), np.nan, 0.0)
         return np.divide(tangential, limit, out=other, where=limit > 0)
 

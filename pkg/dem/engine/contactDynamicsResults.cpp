@@ -92,19 +92,18 @@ py::dict ContactDynamics::problemDict() const
 		columns[name]     = py::object(py::handle<>(
                 PyBytes_FromStringAndSize(bytes, Py_ssize_t(rows.size() * sizeof(rows[0])))));
 	};
-	std::vector<std::array<double, 8>> points; // normal, arm1, arm2, bias, friction
-	std::vector<std::array<int, 2>>    bodies;
+	// normal, arm1, arm2, bias, friction, pull, rolling friction, rolling length, rolling impulse
+	std::vector<std::array<double, 12>> points;
+	std::vector<std::array<int, 2>>     bodies;
 	for (const rcr::ContactPoint& c : step_.problem.points) {
 		if (c.drift.x != 0 || c.drift.y != 0 || step_.problem.stretches())
 			throw std::invalid_argument(
 			        "ContactDynamics: the periodic cell deforms, and files of problems have no "
 			        "velocities of images; save a step at O.cell.velGrad = 0 without CellStress.");
-		if (c.pull > 0 || c.rolls())
-			throw std::invalid_argument(
-			        "ContactDynamics: files of problems have neither adhesion nor rolling friction; "
-			        "save a step without them.");
+		const std::size_t k = points.size();
 		points.push_back({ c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
-		        c.friction });
+		        c.friction, c.pull, c.rollingFriction, c.rollingLength,
+		        k < step_.warmRolling.size() ? step_.warmRolling[k] : 0 });
 		bodies.push_back({ c.body1, c.body2 });
 	}
 	add("points", points), add("bodies", bodies), add("impulse", step_.warmStart);

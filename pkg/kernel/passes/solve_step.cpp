@@ -85,6 +85,7 @@ static void solvePass(Call& call, const Settings& settings)
 	const double layoutBefore                            = workspace.layoutSeconds();
 	const Vec2   stretchBefore                           = step.problem.stretchRate;
 	step.warmStart                                       = step.problem.impulse;
+	step.warmRolling                                     = step.problem.rollingImpulse;
 	// biases by which yielding contacts remove their overlaps
 	setRecoveryBias(step, given.correction, workspace.team());
 	const Report report = call.timed("solve", [&] {

@@ -203,6 +203,7 @@ struct Step {
 	ContactProblem            problem;
 	std::vector<LocalVector>  force;        // per point [N]: start of the solver, then its result
 	std::vector<LocalVector>  warmStart;    // impulses from which the last solve began
+	std::vector<double>       warmRolling;  // the same of rolling resistance; may be empty
 	std::vector<double>       rollingMoment; // per point, on body 2 [N m]
 	std::vector<double>       widenedReach; // per body: widened alert distance [m]; 0: none
 	// bodies whose reach was widened since contacts were last added; empty before the first solve

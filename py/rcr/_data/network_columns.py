@@ -11,7 +11,7 @@ SHAPES = dict(
     particles=dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(),
                    velocity=(3,), clump=(), center=(2,), shape=()),
     contacts=dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,),
-                  points=(), friction=(), point_moments=(2, 2)),
+                  points=(), friction=(), point_moments=(2, 2), adhesion=(), rolling_moment=()),
 )  # fmt: skip
 MOST = 10**8  # largest id; the analysis makes arrays by id
 INTEGERS = {"id", "body1", "body2", "type", "points", "clump", "shape"}
@@ -29,6 +29,8 @@ def checked(group, arrays):
     for column, shape in shapes.items():
         name = f"{group}/{column}"
         values = checks.reals(name, arrays[column], (rows, *shape))
+        if column == "adhesion":
+            checks.require(values >= 0, name, values, "a pull ≥ 0 [N]")
         if column == "friction":
             valid = np.isnan(values) | (values >= 0)
             checks.require(valid, name, values, "a coefficient ≥ 0, or NaN if it is unknown")

@@ -6,6 +6,7 @@ import numpy as np
 
 from rcr._data import checks
 
+LAWS = ("pull", "rolling_friction", "rolling_length", "rolling_impulse")  # beyond Coulomb's law
 BLOCKED = 1e-20  # w_nn/w_tt of a blocked normal, negligibleLever² of coulomb.hpp, at most [-]
 MOST_FRICTION = 1000  # errors of larger coefficients cannot be measured [-]
 SYMMETRY = 1e-8  # largest |W − Wᵀ| over largest |W| [-]; files of Siconos reach 1e-10
@@ -29,6 +30,11 @@ class BodyProblem:
     bias: np.ndarray  # (nc,) b_n [m/s]
     friction: np.ndarray  # (nc,)
     impulse: np.ndarray  # (nc, 2) warm start, local (n, t) [N s]
+    # of docs/law.md, adhesion and rolling resistance; None: 0
+    pull: np.ndarray = None  # (nc,) f_a dt [N s]
+    rolling_friction: np.ndarray = None  # (nc,) µ_r [-]
+    rolling_length: np.ndarray = None  # (nc,) R₁ + R₂ [m]
+    rolling_impulse: np.ndarray = None  # (nc,) warm start [N s]
 
     def __post_init__(self):
         self.inverse_mass = checks.array("inverse_mass", self.inverse_mass, (None, 3))
@@ -39,6 +45,12 @@ class BodyProblem:
         vectors = dict.fromkeys(("normal", "arm1", "arm2", "impulse"), (nc, 2))
         for name, shape in (vectors | dict(bias=(nc,), friction=(nc,))).items():
             setattr(self, name, checks.array(name, getattr(self, name), shape))
+        for name in LAWS:
+            given = getattr(self, name)
+            given = np.zeros(nc) if given is None else given
+            setattr(self, name, checks.array(name, given, (nc,)))
+        for name in LAWS[:3]:
+            checks.require(getattr(self, name) >= 0, name, getattr(self, name), "≥ 0")
         checks.require(self.inverse_mass >= 0, "inverse_mass", self.inverse_mass, "≥ 0")
         _check_friction("friction", self.friction)
         length = np.hypot(*self.normal.T)
@@ -67,9 +79,13 @@ class BodyProblem:
     def delassus(self):
         """Return the problem as W and q, a DelassusProblem.
 
-        q_n is at least 0 at points of two prescribed bodies: the contact laws do not apply to them.
+        A ValueError refuses adhesion and rolling friction, which W, q and µ cannot hold. q_n is at
+        least 0 at points of two prescribed bodies: the contact laws do not apply to them.
         """
         self.__post_init__()  # attributes may have been set since
+        if self.pull.any() or self.rolling_friction.any():
+            raise ValueError("W, q and mu hold neither adhesion nor rolling friction; save the "
+                             "problem with its bodies, as .npz")
         nc, (a, b), n = self.contacts, self.bodies.T, self.normal
         t = np.stack([-n[:, 1], n[:, 0]], 1)
         cross = lambda r, d: r[:, 0] * d[:, 1] - r[:, 1] * d[:, 0]

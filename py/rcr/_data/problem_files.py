@@ -7,7 +7,7 @@ import zipfile
 import numpy as np
 
 from rcr._data import checks, files
-from rcr._data.problem import BodyProblem, DelassusProblem
+from rcr._data.problem import LAWS, BodyProblem, DelassusProblem
 from rcr._data.siconos import load_siconos
 
 
@@ -35,6 +35,8 @@ def save(path, problem):
     meta = [1.0, 1.0, len(p.inverse_mass)]  # dt and length 1: units as given; number of grains
     points = dict(a=a, b=b, n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias, mu=p.friction)
     points["p0"] = p.impulse
+    laws = {name: getattr(p, name) for name in LAWS}
+    points |= {name: values for name, values in laws.items() if values.any()}
     mass = dict(im=p.inverse_mass[:, :2], iI=p.inverse_mass[:, 2])
     image = npz(np.savez_compressed, **mass, vfree=p.free_velocity, meta=meta, **points)
     files.write(path, image)
@@ -98,6 +100,7 @@ def _load_npz(path):
         if missing:
             raise ValueError(f"lacks {', '.join(missing)}; expected the arrays {', '.join(names)}")
         d = {name: file[name] for name in names}
+        laws = {name: file[name] for name in LAWS if name in file}
     nc, nb = np.size(d["a"]), np.size(d["iI"])
     shapes = dict.fromkeys(("bn", "mu"), (nc,)) | dict.fromkeys(("n", "ra", "rb", "p0"), (nc, 2))
     shapes |= dict(iI=(nb,), vfree=(nb, 3), meta=(3,))
@@ -111,7 +114,7 @@ def _load_npz(path):
     inverse_mass = np.column_stack([checks.array("im", d["im"], (nb, 2)), d["iI"]])
     bodies = np.column_stack([checks.ids(name, d[name], nb, (nc,)) for name in "ab"])
     points = (d[name] for name in ("n", "ra", "rb", "bn", "mu", "p0"))
-    return BodyProblem(inverse_mass, d["vfree"], bodies, *points)
+    return BodyProblem(inverse_mass, d["vfree"], bodies, *points, **laws)
 
 
 def _load_fclib(path):

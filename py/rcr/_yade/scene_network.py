@@ -1,6 +1,5 @@
 """Contact network of the present scene."""
 
-import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -68,12 +67,8 @@ def _grains(frame):
 
 
 def _contacts(frame, codes):
-    """Return the columns of `Network.contacts`: compressed contacts, fixed grains as obstacles."""
-    free, normal = frame.free_ends()[0], frame.normal_force()
-    if pulled := (free & (normal < 0)).sum():
-        warnings.warn(f"contacts in tension are left out ({pulled}): a network holds compressive "
-                      "forces; rcr.measure.stress_tensors() has the stresses of all", stacklevel=3)
-    bearing = free & (normal > 0)
+    """Return the columns of `Network.contacts`: with a force, fixed grains as obstacles."""
+    bearing = frame.free_ends()[0] & frame.contacts["force"].any(axis=1)
     c = {name: column[bearing] for name, column in frame.contacts.items()}
     at_obstacle = c["type"] == OBSTACLE
     fixed = at_obstacle & (frame.rows(c["body2"]) >= 0)

@@ -163,6 +163,33 @@ def test_coefficients_survive_a_file(tmp_path, arrays):
     assert_reload_changes_nothing(tmp_path / "scene.xml.gz", run)
 
 
+def test_a_saved_problem_has_pulls_and_rolling_resistance(tmp_path):
+    heap()
+    solver().tolerance = 1e-10
+    law(adhesion=0.5, rollingFriction=0.2)
+    O.interactions.clear()
+    steps(500)
+    solver().save(str(tmp_path / "step.npz"))
+    problem = rcr.problems.load(tmp_path / "step.npz")
+    assert problem.pull.max() == pytest.approx(0.5 * O.dt)
+    assert problem.rolling_friction.max() == 0.2
+    assert (problem.rolling_length[problem.rolling_friction > 0] > 0).all()
+    solution = rcr.solve(problem, tolerance=1e-10, warm=True)
+    assert solution.converged
+    forces = sorted(x for i in O.interactions for x in (i.phys.force1[0], i.phys.force2[0]) if x)
+    largest = max(map(abs, forces))
+    found = sorted(solution.reaction[solution.reaction[:, 0] != 0, 0] / O.dt)
+    assert found == pytest.approx(forces, abs=1e-5 * largest)
+    moments = max(abs(i.phys.rollingMoment) for i in O.interactions)
+    turning = abs(solution.rolling * problem.rolling_length).max() / O.dt
+    assert turning == pytest.approx(moments, rel=1e-4)
+    other = tmp_path / "other.npz"
+    rcr.problems.save(other, problem)
+    assert (rcr.problems.load(other).rolling_impulse == problem.rolling_impulse).all()
+    with pytest.raises(ValueError, match="neither adhesion nor rolling friction"):
+        solver().save(str(tmp_path / "step.h5"))
+
+
 def test_arrays_and_engines_give_the_same_bits():
     def run(arrays):
         rng, m = np.random.default_rng(7), material(0.5)

@@ -611,15 +611,50 @@ def test_a_profile_holds_all_contacts_of_a_moving_scene(speed):
     assert total == pytest.approx(rcr.contact_network(volume=1).stress(), rel=1e-6, abs=1e-9)
 
 
-def test_contacts_in_tension_are_left_out_with_a_warning():
+@pytest.mark.parametrize("law", ["rigid", "smooth"])
+def test_networks_contain_tension_and_adhesion(law, tmp_path):
+    """A disc hangs from a fixed one, and bears another."""
     m = springy()
-    build(*(rcr.disc((x, 0), 0.1, m, fixed=x == 0) for x in (0, 0.1999, 0.3998)), law="smooth",
-          dt=1e-6, gravity=(0, 0, 0))
+    build(rcr.disc((0, 0), 0.1, m, fixed=True), rcr.disc((0, -0.2), 0.1, m),
+          rcr.disc((0, -0.4), 0.1, m), law=law, dt=1e-3 if law == "rigid" else 1e-5)
+    weight = O.bodies[1].state.mass * G
+    pull = 3 * weight
+    if law == "rigid":
+        O.engines[2].physDispatcher.functors[0].adhesion = pull
+        O.engines[2].physDispatcher.functors[0].rollingFriction = 0.1
+    else:
+        O.engines[2].lawDispatcher.functors[0].adhesion = pull
+        for k in (1, 2):  # springs bear the pull only where they overlap
+            O.bodies[k].state.pos = (0, -(0.2 - 1e-5) * k, 0)
     O.step()
-    first = next(i for i in O.interactions if i.isReal)
-    first.phys.normalForce = -first.phys.normalForce
-    with pytest.warns(UserWarning, match=r"contacts in tension are left out \(1\)"):
-        assert len(rcr.contact_network(volume=1).contacts["body1"]) == 1
+    network = rcr.contact_network(volume=1)
+    assert (network.contacts["adhesion"] == pull).all() and len(network.contacts["body1"]) == 2
+    if law == "rigid":
+        assert network.normal_force() == pytest.approx([-2 * weight, -weight], rel=1e-6)
+        # branches of 0.1 m to the fixed disc and 0.2 m
+        assert network.stress()[1, 1] == pytest.approx(-0.4 * weight, rel=1e-6)
+    path = tmp_path / "network.h5"
+    network.save(path)
+    again = rcr.Network.load(path)
+    for name, values in network.contacts.items():
+        np.testing.assert_array_equal(again.contacts[name], values)
+
+
+def test_networks_contain_rolling_moments(tmp_path):
+    m = material(0.5)
+    build(rcr.wall("y", 0, material=m), rcr.disc((0, 0.1), 0.1, m), gravity=(1, -10, 0))
+    O.engines[2].physDispatcher.functors[0].rollingFriction = 0.5
+    O.step()
+    network = rcr.contact_network(volume=1)
+    (moment,) = network.contacts["rolling_moment"]
+    (i,) = O.interactions
+    assert abs(moment) == abs(i.phys.rollingMoment) > 0
+    # it balances the moment of friction about the centre of the disc
+    force, position = network.contacts["force"][0], network.contacts["position"][0]
+    arm = position - network.particles["position"][0]
+    assert moment == pytest.approx(-(arm[0] * force[1] - arm[1] * force[0]), rel=1e-6)
+    network.save(tmp_path / "network.h5")
+    assert rcr.Network.load(tmp_path / "network.h5").contacts["rolling_moment"][0] == moment
 
 
 def test_a_loaded_scene_has_a_network(tmp_path):
