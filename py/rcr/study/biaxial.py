@@ -1,7 +1,8 @@
 """The biaxial test of Azéma and Radjaï: frictionless isotropic compaction, then shear.
 
 Grains have radii in [R_min, size_span R_min], uniform in volume fraction; `rcr.study.grains` has
-their shapes, `rcr.study.protocol` the units and all constants. The time step is a fixed share of t₀, since no stiffness bounds it.
+their shapes, `rcr.study.protocol` the units and all constants. The time step is a fixed share of
+t₀, since no stiffness bounds it.
 
 With `law` smooth, the packing is compacted with rigid contacts too. Springs replace them at the
 start of the shear, and the time step is a fixed share of `rcr.critical_time_step`.

@@ -85,6 +85,9 @@ HALF_RECORD = 0.5 * (1 + 1e-6) * PROTOCOL.record_strain
 SHAPES = dict(  # shape of the grains: bounds of η, of all shapes but regular polygons
     rcr=(0, 1), regular=None, truncated=(REGULAR_HEXAGON, 0.5), hexagon=(REGULAR_HEXAGON, 1),
     trimer=(0, 0.5))
+SHAPE_NAMES = dict(
+    rcr="rounded-cap rectangle", regular="regular polygon", truncated="truncated triangle",
+    hexagon="elongated hexagon", trimer="trimer")
 ONE_RATE = dict(approach=0, sample_inertia=1)  # parameters of a shear at one rate
 
 
