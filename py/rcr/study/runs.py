@@ -215,7 +215,7 @@ def _check_network(path, network, record):
                          "load: remove the file, or save the network after a step")
     shape = checks.choice(f"{path}: shape", attributes.get("shape", "rcr"), tuple(SHAPES))
     found = (network.particles["half_length"] / network.particles["R"]).max(initial=0)
-    if shape == "rcr" and abs(found - attributes["eta"]) > 1e-6:
+    if shape != "trimer" and abs(found - attributes["eta"]) > 1e-6:
         raise ValueError(f"{path} has eta = {attributes['eta']:g} and grains with half_length/R up "
                          f"to {found:g}; expected equal numbers: correct the attribute")
     if not record:

@@ -4,15 +4,18 @@ import math
 
 import numpy as np
 import pytest
+from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
 from rcr.study import grains
 from rcr.study.biaxial import Biaxial
 from rcr.study.compaction import random_radii
 from rcr.study.protocol import PROTOCOL, check_parameters
+from rcr.study.runs import Run
 from yade import O
 
 CASES = {
     "trimer": dict(shape="trimer", eta=0.3),
     "rolling": dict(eta=0, rolling_friction=0.1, size_span=3),
+    "pentagon": dict(shape="regular", sides=5),
 }
 
 
@@ -126,7 +129,8 @@ def test_checkpoint_continues_to_the_same_bits(compacted, tmp_path):
     assert [summary[name] for name in names] == [test.parameters[name] for name in names]
     attributes = again.network().attributes
     kept = {name: summary[name] for name in names if summary[name] is not None}
-    assert {name: attributes[name] for name in kept} == kept and "sides" not in attributes
+    assert {name: attributes[name] for name in kept} == kept
+    assert ("sides" in attributes) == (test.parameters["shape"] == "regular")
 
 
 def test_rolling_friction_acts_between_grains_in_the_shear():
@@ -141,6 +145,26 @@ def test_rolling_friction_acts_between_grains_in_the_shear():
             rolling[between].add(i.phys.rollingFriction)
             moments.append(abs(i.phys.rollingMoment) if between else 0)
     assert rolling == {True: {0.1}, False: {0.0}} and max(moments) > 0
+
+
+def test_networks_of_polygons_name_contacts_by_corners_and_sides(tmp_path):
+    """Where sides of two pentagons touch, their directions differ by π/5 modulo 2π/5."""
+    test = Biaxial.prepare(particles=60, **CASES["pentagon"])
+    test.compact()
+    for name in "isotropic.h5", "network-0.0100.h5":
+        test.isotropic.save(tmp_path / name)
+    (network,) = Run.read(tmp_path).networks
+    contacts = network.contacts
+    inner = network.between_particles
+    one, two = (network.particles["angle"][network.rows(contacts[body][inner])]
+                for body in ("body1", "body2"))
+    period = 2 * math.pi / 5
+    away = np.abs((one - two) % period - period / 2)
+    kind = contacts["type"][inner]
+    assert set(kind) <= {CAP_CAP, CAP_SIDE, SIDE_SIDE} and (kind == SIDE_SIDE).sum() > 20
+    assert away[kind == SIDE_SIDE].max() < 0.01 < away[kind != SIDE_SIDE].mean()
+    assert (contacts["points"][inner][kind == SIDE_SIDE] == 2).all()
+    assert Run.read(tmp_path).kind.name == "5 sides"
 
 
 def test_polygons_have_the_eta_of_their_sides():
