@@ -1,4 +1,4 @@
-"""Biaxial test of rounded-cap rectangles: loose start, frictionless compaction, shear.
+"""Biaxial test of grains of several shapes: loose start, frictionless compaction, shear.
 
 Run it with YADE:
 
@@ -24,8 +24,8 @@ from rcr._data import files, run_folder
 from rcr.study import progress
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
-from rcr.study.protocol import (DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_networks,
-                                check_parameters, quick_averages)
+from rcr.study.protocol import (DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, SHAPES,
+                                check_networks, check_parameters, quick_averages)
 from rcr.study.shear import share_done
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
@@ -43,11 +43,19 @@ def arguments():
     strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
     parser = script.Parser(prog="biaxial.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--eta", type=number, help="elongation (R - R')/R, 0 = disc")
+    add("--eta", type=number, help="elongation (R - R')/R of circumscribed and inscribed circle, 0 "
+        "= disc; not of --shape regular")
+    add("--shape", choices=list(SHAPES),
+        help="rounded-cap rectangle, regular polygon, truncated triangle, elongated hexagon, or "
+        "three overlapping discs")
+    add("--sides", type=integer, help="number of sides of --shape regular")
+    add("--size-span", type=number, help="largest over smallest radius, uniform in volume fraction")
     add("--particles", type=integer, help="number of grains")
     add("--strain", type=strain, default=0.5, help="strain of the shear, (h0 - h)/h0")
     add("--seed", type=integer, help="seed of sizes, positions and directions")
     add("--friction", type=number, help="between grains during the shear")
+    add("--rolling-friction", type=number,
+        help="coefficient of rolling resistance between grains during the shear, of --shape rcr")
     add("--inertial-number", type=number, help="rate beyond --approach, times √(m/σ0)")
     add("--time-step", type=number,
         help="time step beyond --approach, in √(m/σ0); not of --law smooth")

@@ -20,7 +20,7 @@ try:
     from rcr._data import run_folder
     from rcr.force_network import analysis as any_scene, report as force_report
     from rcr.study import report
-    from rcr.study.runs import Run, by_elongation
+    from rcr.study.runs import Run, by_kind
 except ImportError as error:  # continue in the Python of yade-rcr
     environment.reenter(error)
 
@@ -78,7 +78,7 @@ def shear_tests(options):
     runs = [Run.read(folder, **selection, averages=paper.averages) for folder in options.paths]
     for run in runs:
         warn_of_incomplete(run)
-    by_elongation(runs)  # raises if they do not belong together
+    by_kind(runs, paper.compares)  # raises if they do not belong together
     sources = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
                for run in runs]
     if options.paper != papers.DEFAULT:

@@ -271,22 +271,41 @@ class Network(Table, ForceStatistics):
         The results are masks of the remaining grains or clumps by id, (largest id + 1,), and of the
         remaining contacts, (C,), and the number of contacts by id.
         """
-        ids, clump = self.particles["id"], self.particles["clump"]
         double = count_side_contacts_twice & (self.contacts["points"] == 2)
         weight = np.where(double, 2, 1)
-        size = int(max(ids.max(initial=-1), clump.max(initial=-1))) + 1
-        body = np.arange(size)  # id of the clump of each grain
-        body[ids] = np.where(clump >= 0, clump, ids)
+        body, (one, two) = self._bodies()
+        size, inner = len(body), self.between_particles
         alive = np.zeros(size, dtype=bool)
-        alive[body[ids]] = True
-        inner = self.between_particles
-        one = body[self.contacts["body1"]]
-        two = body[np.where(inner, self.contacts["body2"], 0)]
+        alive[body[self.particles["id"]]] = True
         while True:
-            kept = alive[one] & (alive[two] | ~inner)
+            kept = alive[one] & (alive[np.maximum(two, 0)] | ~inner)
             ends = np.concatenate([one[kept], two[kept & inner]])
             rattlers = alive & (np.bincount(ends, minlength=size) < 2)
             if not rattlers.any():
                 weights = np.concatenate([weight[kept], weight[kept & inner]])
                 return alive, kept, np.bincount(ends, weights, size)
             alive &= ~rattlers
+
+    def _bodies(self):
+        """Return the id of the clump or grain by id, and those of the bodies of contacts (2, C).
+
+        The second body of a contact with an obstacle has the negative id of the obstacle.
+        """
+        ids, clump = self.particles["id"], self.particles["clump"]
+        body = np.arange(int(max(ids.max(initial=-1), clump.max(initial=-1))) + 1)
+        body[ids] = np.where(clump >= 0, clump, ids)
+        two = self.contacts["body2"]
+        two = np.where(two < 0, two, body[np.maximum(two, 0)])
+        return body, np.array([body[self.contacts["body1"]], two])
+
+    def neighbors(self):
+        """Return pairs of bodies in contact without rattlers, and their contact points.
+
+        The results are ids of grains, or of clumps, (P, 2) int, those of obstacles negative, and
+        the number of points of each pair, (P,). Several members of two clumps can be in contact.
+        """
+        kept = self.backbone()[1]
+        pairs = np.sort(self._bodies()[1][:, kept].T, axis=1)
+        pairs, at = np.unique(pairs, axis=0, return_inverse=True)
+        points = np.bincount(at.ravel(), self.contacts["points"][kept], len(pairs))
+        return pairs, points.astype(int)

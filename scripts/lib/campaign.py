@@ -1,9 +1,11 @@
-"""Biaxial tests over elongations and seeds on all processors, then their analysis and report.
+"""Biaxial tests over kinds of grains and seeds on all processors, then their analysis and report.
 
 After a stop or a kill the same command continues from the checkpoints, to the same results.
 Options after a lone -- go to Snakemake.
 """
 
+import itertools
+import math
 import os
 import pathlib
 import shutil
@@ -14,15 +16,16 @@ import tempfile
 
 import campaign_runs
 from campaign_progress import Progress, Test, show
-from rcr import script
+from rcr import papers, script
 from rcr._data import run_folder
-from rcr.study.protocol import check_networks
+from rcr.study.protocol import SHAPES, check_networks, check_parameters
 
 HERE = pathlib.Path(__file__).resolve().parent
 CONTINUE = "continue with the same command"
 UNKNOWN = "not complete, see above"  # the reason is in the messages of Snakemake
 QUICK = dict(particles=300, etas=[[0, 0.4, 0.7]], strain=0.3, networks=6, out="out/quick")
-FREE = ("particles", "etas", "seeds", "strain", *campaign_runs.OPTIONAL)
+FREE = ("particles", "etas", "sides", "rolling_friction", "seeds", "strain", "paper",
+        *campaign_runs.OPTIONAL)
 
 
 def numbers(kind):
@@ -38,6 +41,8 @@ def arguments():
     strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
     positive = script.number("a number > 0, at most 10", lambda v: 0 < v <= 10)
     friction = script.number("a coefficient > 0, at most 100", lambda v: 0 < v <= 100)
+    span = script.number("a ratio R_max/R_min from 1 to 100", lambda v: 1 <= v <= 100)
+    rolling = script.number("coefficients of rolling resistance from 0 to 1", lambda v: 0 <= v <= 1)
     processors = len(os.sched_getaffinity(0))
     add = parser.add_argument
     add("--quick", action="store_true",
@@ -49,6 +54,15 @@ def arguments():
     add("--etas", type=numbers(elongation), nargs="+", metavar="ETA",
         default=[[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]],
         help="elongations, separated by commas or spaces (default: 0,0.1,…,0.7)")
+    add("--shape", choices=list(SHAPES), help="of the grains, as in scripts/biaxial.py")
+    add("--sides", type=numbers(script.at_least(3, 64)), nargs="+", metavar="N", default=[],
+        help="numbers of sides of --shape regular, instead of --etas")
+    add("--rolling-friction", type=numbers(rolling), nargs="+", metavar="MU_R", default=[],
+        help="coefficients of rolling resistance between grains, each for every elongation")
+    add("--size-span", type=span, metavar="R",
+        help="largest over smallest radius (default: that of scripts/biaxial.py)")
+    add("--paper", choices=papers.names(),
+        help="paper of the report (default: the one with such grains)")
     add("--seeds", type=numbers(seed), nargs="+", metavar="SEED", default=[[1]],
         help="seeds, separated likewise (default: 1)")
     add("--strain", type=strain, default=0.5, metavar="E", help="of the shear")
@@ -72,30 +86,52 @@ def arguments():
     if "--quick" in words:
         parser.set_defaults(**QUICK)
     options = parser.parse_args(words)
-    for name in "etas", "seeds":
+    if options.sides:
+        if "--etas" in words:
+            parser.error("--sides and --etas: sides determine η; give one of them")
+        options.etas = []
+    for name in "etas", "sides", "rolling_friction", "seeds":
         values = sorted({value for part in getattr(options, name) for value in part})
-        if not values:
+        if not values and name in ("seeds", "sides" if options.sides else "etas"):
             parser.error(f"--{name}: expected at least one")
         setattr(options, name, values)
     if options.networks is not None:
         check_networks(options.networks, options.strain)
+    options.paper = options.paper or paper_of(options)
     return options, extra
 
 
+def paper_of(options):
+    """Return the name of the paper with grains like those of a campaign."""
+    if options.sides or any(options.rolling_friction):
+        return "estrada_2011"
+    return papers.DEFAULT if options.shape in (None, "rcr") else "cegeo_2012"
+
+
 def text(value):
-    """Return a number as the names of runs contain it."""
-    return repr(value).removesuffix(".0")
+    """Return a number or a word as the names of runs contain it."""
+    return value if isinstance(value, str) else repr(value).removesuffix(".0")
 
 
 def configuration(options):
     """Return the configuration of campaign.smk."""
-    tests = len(options.etas) * len(options.seeds)
-    config = dict(
-        particles=options.particles, strain=options.strain,
-        etas=",".join(map(text, options.etas)), seeds=",".join(map(str, options.seeds)),
-        threads=min(1024, max(1, options.jobs // tests)))
+    lists = {name: getattr(options, name) for name in (*campaign_runs.LISTS, "seeds")}
+    tests = math.prod(len(values) for values in lists.values() if values)
+    config = dict(particles=options.particles, strain=options.strain,
+                  threads=min(1024, max(1, options.jobs // tests)))
+    config |= {name: ",".join(map(text, values)) for name, values in lists.items() if values}
     given = {name: getattr(options, name) for name in campaign_runs.OPTIONAL}
-    return config | {name: text(value) for name, value in given.items() if value is not None}
+    config |= {name: text(value) for name, value in given.items() if value is not None}
+    return config | (dict(paper=options.paper) if options.paper != papers.DEFAULT else {})
+
+
+def check_cases(options):
+    """Raise a ValueError if scripts/biaxial.py refuses a test."""
+    shared = {name: getattr(options, name) for name in ("shape", "size_span")}
+    shared = {name: value for name, value in shared.items() if value is not None}
+    kinds = [dict(eta=eta) for eta in options.etas] + [dict(sides=n) for n in options.sides]
+    for kind, rolling in itertools.product(kinds, options.rolling_friction or [0]):
+        check_parameters(**kind, **shared, rolling_friction=rolling)
 
 
 def command(options, config, extra):
@@ -163,12 +199,13 @@ def announce(tests, options, threads):
          "report")
 
 
-def is_report_of(out, folders):
-    """Return whether the report in a folder is that of these runs, and of no others."""
+def is_report_of(out, folders, paper):
+    """Return whether the report in a folder is that of these runs, no others, and of the paper."""
     record = run_folder.read(out / "report")
-    runs = record["parameters"].get("runs", []) if record else []
-    names = [pathlib.Path(run["folder"]).name for run in runs]
-    return sorted(names) == sorted(folder.name for folder in folders)
+    parameters = record["parameters"] if record else {}
+    names = [pathlib.Path(run["folder"]).name for run in parameters.get("runs", [])]
+    same_paper = parameters.get("paper", papers.DEFAULT) == paper
+    return sorted(names) == sorted(folder.name for folder in folders) and same_paper
 
 
 def main():
@@ -177,16 +214,17 @@ def main():
         todo = "install it (apt-get install snakemake) and run this command again"
         raise RuntimeError(f"the package snakemake is not installed; {todo}")
     out, config = pathlib.Path(options.out), configuration(options)
-    tests = [Test(f"η = {text(eta)}, seed {seed}",
-                  out / "runs" / campaign_runs.run_name(config, text(eta), seed), options.strain)
-             for eta in options.etas for seed in options.seeds]
+    check_cases(options)
+    tests = [Test(f"{campaign_runs.label(case)}, seed {seed}",
+                  out / "runs" / campaign_runs.run_name(config, case, seed), options.strain)
+             for case in campaign_runs.cases(config) for seed in options.seeds]
     folders = [test.folder for test in tests]
     parameters = {name: getattr(options, name) for name in FREE}
     claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
     claimed = run_folder.claim_folder(out, "campaign", parameters, [], **claim)
     with script.stoppable() as stop, claimed as begin:
         begin()
-        if not extra and not is_report_of(out, folders):
+        if not extra and not is_report_of(out, folders, options.paper):
             (out / "report" / "analysis.json").unlink(missing_ok=True)
         words = command(options, config, extra)
         if extra:  # show what Snakemake says of them
@@ -203,7 +241,7 @@ def main():
             sys.stderr.write(messages)
         sys.exit(reasons)  # in full: script.run shortens the messages of exceptions
     log = out / "report" / "log"
-    if not {"-n", "--dry-run", "--dryrun"} & set(extra) and is_report_of(out, folders):
+    if not {"-n", "--dry-run", "--dryrun"} & set(extra) and is_report_of(out, folders, options.paper):
         print(out / last_line(log))  # else nothing ran
 
 

@@ -55,7 +55,7 @@ def random_network(count=500, seed=3, **columns):
 
 
 def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5, a_c=0.2, a_fn=0.3,
-            a_ft=0.1, axis=np.pi / 2):
+            a_ft=0.1, axis=np.pi / 2, attributes=None):
     """Grains at random places with P(θ), ⟨f_n⟩(θ), ⟨f_t⟩(θ) of the paper's form, |f_t| ≤ µ f_n, and
     exponential forces; tangents are n turned by −90°, as in the paper.
     """
@@ -77,7 +77,7 @@ def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5
     force = np.column_stack([fn, -fn * along])
     made = network(theta, branch, force, friction, particles_, **columns)
     return Network(grains, made.contacts, dict(volume=900.0, friction=friction, eta=eta,
-                                               strain=strain, seed=seed))
+                                               strain=strain, seed=seed, **attributes or {}))
 
 
 def write_run(folder, eta, seed=0, strains=(0.1, 0.2, 0.3, 0.4), **options):

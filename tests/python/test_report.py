@@ -36,7 +36,7 @@ from synthetic import packing, polygon_areas, write_run
 PAPER = papers.load()
 STATEMENTS, MAPS = PAPER.statements, PAPER.maps
 ETAS = (0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
-FIGURES = [key for key, one in OBSERVABLES.items() if one.figure]
+FIGURES = [key for key in PAPER.observables() if OBSERVABLES[key].figure]
 SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
 
 
@@ -126,8 +126,9 @@ def test_the_first_screen_says_what_was_done_and_what_came_out(written):
 
 def test_every_figure_has_a_caption_that_says_what_it_plots(written):
     page = (written[0] / "report.html").read_text()
-    assert set(OBSERVABLES) == set(STATEMENTS)
-    for key, one in OBSERVABLES.items():
+    stated = {key for name in papers.names() for key in papers.load(name).statements}
+    assert set(OBSERVABLES) == stated and set(PAPER.observables()) == set(STATEMENTS)
+    for key, one in ((key, OBSERVABLES[key]) for key in STATEMENTS):
         assert re.search(rf"<b>{key}</b> {re.escape(html.escape(one.caption))}<br>", page), key
 
 

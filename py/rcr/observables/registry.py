@@ -131,9 +131,10 @@ def with_errors(parts):
     return values
 
 
-def measures(ensemble, grids, parts):
-    """Return {observable: {name: value, or error over the ensembles `parts`}}."""
-    functions = {key: one.measure for key, one in OBSERVABLES.items() if one.measure}
+def measures(ensemble, grids, parts, keys=None):
+    """Return {observable: {name: value, or error over the ensembles `parts`}}, by default of all."""
+    ones = {key: OBSERVABLES[key] for key in keys or OBSERVABLES}
+    functions = {key: one.measure for key, one in ones.items() if one.measure}
     found = [{key: measure(e, grids) for key, measure in functions.items()}
              for e in (ensemble, *parts)]
     return {key: with_errors([values[key] for values in found]) for key in functions}

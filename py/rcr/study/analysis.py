@@ -18,7 +18,7 @@ from rcr._data.files import jsonable  # noqa: F401: part of this module's interf
 from rcr.ensemble import Ensemble
 from rcr.observables.packings import SEEDS
 from rcr.observables.registry import OBSERVABLES, Grids, measures
-from rcr.study.runs import by_elongation
+from rcr.study.runs import by_kind
 
 
 def samples(runs):
@@ -38,25 +38,30 @@ def analyse(runs, paper=None):
     """Return every observable of runs in a report on a paper, as analysis.json holds it.
 
     The result has an entry {value: {name: array, elongation first}, paper: statement, unit} for
-    each of `Paper.observables`. Runs of the same elongation are cumulated. A ValueError says that
-    there is no run, or that runs differ in friction or have none.
+    each of `Paper.observables`. Runs of the same elongation are cumulated. For a paper that
+    compares shapes, a row is a `Kind` of grains, with its ``shape``, ``sides`` and
+    ``rolling_friction``. A ValueError says that there is no run, or that runs differ in friction or
+    have none.
     """
     if not runs:
         raise ValueError("no runs: the analysis needs at least one folder")
     paper = papers.load() if paper is None else paper
-    groups = by_elongation(runs)
-    ensembles = {eta: Ensemble([network for run in group for network in run.networks])
-                 for eta, group in groups.items()}
+    groups = by_kind(runs, paper.compares)
+    ensembles = {kind: Ensemble([network for run in group for network in run.networks])
+                 for kind, group in groups.items()}
     last = max(float(run.networks[-1].attributes["strain"]) for run in runs)
     grids = Grids.of(ensembles.values(), last, min(map(isotropic_contacts, groups.values())))
-    results = {eta: measures(e, grids, samples(groups[eta])) for eta, e in ensembles.items()}
-    eta, found = np.array(list(groups)), {}
+    results = {kind: measures(e, grids, samples(groups[kind]), paper.observables())
+               for kind, e in ensembles.items()}
+    names = ("eta", "shape", "sides", "rolling_friction") if paper.compares else ("eta",)
+    rows_of = {name: np.array([getattr(kind, name) for kind in groups]) for name in names}
+    found = {}
     for key in paper.observables():
         one = OBSERVABLES[key]
-        rows = [results[e].get(key, {}) | (one.of_runs(groups[e], ensembles[e], grids)
-                                           if one.of_runs else {}) for e in groups]
+        rows = [results[k].get(key, {}) | (one.of_runs(groups[k], ensembles[k], grids)
+                                           if one.of_runs else {}) for k in groups]
         axes = {name: grids.values(grid) for name, grid in one.axes.items()}
         columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-        found[key] = dict(value=dict(eta=eta) | axes | columns,
+        found[key] = dict(value=rows_of | axes | columns,
                           paper=paper.statements.get(key, ""), unit=one.unit)
     return found

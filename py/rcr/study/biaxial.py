@@ -1,7 +1,8 @@
 """The biaxial test of Azéma and Radjaï: frictionless isotropic compaction, then shear.
 
-Grains have radii in [R_min, 2 R_min], uniform in volume fraction. `rcr.study.protocol` has the
-units and all constants. The time step is a fixed share of t₀, since no stiffness bounds it.
+Grains have radii in [R_min, size_span R_min], uniform in volume fraction; `rcr.study.grains` has
+their shapes, `rcr.study.protocol` the units and all constants. The time step is a fixed share of
+t₀, since no stiffness bounds it.
 
 With `law` smooth, the packing is compacted with rigid contacts too. Springs replace them at the
 start of the shear, and the time step is a fixed share of `rcr.critical_time_step`.
@@ -16,8 +17,9 @@ from yade.wrapper import Omega
 
 import rcr
 from rcr._data import run_folder
-from rcr.study import checkpoint, compaction, shear as shearing
-from rcr.study.protocol import FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_parameters
+from rcr.study import checkpoint, compaction, grains, shear as shearing
+from rcr.study.protocol import (FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_parameters,
+                                stored_attributes)
 from rcr.study.records import COUNTERS, Springs, make_records
 from rcr.study.summary import summarize
 
@@ -40,7 +42,9 @@ class Biaxial:
     isotropic : Network or None
         End of the compaction, if this process made it.
     solver : ContactDynamics or Springs
-    grains, walls, left, bottom, right, top : range or int
+    grains : list of int
+        Ids of grains, of a clump that of the clump.
+    walls, left, bottom, right, top : range or int
         Ids.
     area, diameter, time_unit : float
         Area of all grains [m²], mean diameter [m], t₀ [s].
@@ -49,13 +53,12 @@ class Biaxial:
     def __init__(self, parameters, progress, rows):
         self.parameters, self.progress, self.rows = parameters, progress, rows
         self.isotropic = None
-        count = parameters["particles"]
-        self.grains = range(count)
-        self.left, self.bottom, self.right, self.top = self.walls = range(count, count + 4)
+        count = len(O.bodies)
+        self.grains = grains.ids()
+        self.left, self.bottom, self.right, self.top = self.walls = range(count - 4, count)
         masses = np.array([O.bodies[i].state.mass for i in self.grains])
-        shapes = [O.bodies[i].shape for i in self.grains]
         self.area = masses.sum() / PROTOCOL.density
-        self.diameter = 2 * np.mean([shape.halfLength + shape.capRadius for shape in shapes])
+        self.diameter = 2 * np.mean(grains.circumscribed_radii(self.grains))
         self.time_unit = math.sqrt(masses.mean() / PROTOCOL.confining_stress)
         engines = [engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics)]
         self.solver = engines[0] if engines else Springs()
@@ -136,9 +139,9 @@ class Biaxial:
 
     def network(self):
         """Return the contact `Network` of the last step; friction 0 before the first record."""
-        return rcr.contact_network(self.walls, strain=self.strain, eta=self.parameters["eta"],
-                                   friction=self.parameters["friction"] if self.rows else 0.0,
-                                   seed=self.parameters["seed"], run=self.run)
+        friction = self.parameters["friction"] if self.rows else 0.0
+        return rcr.contact_network(self.walls, strain=self.strain, friction=friction,
+                                   run=self.run, **stored_attributes(self.parameters))
 
     def compact(self, report=lambda test: None, balanced=PROTOCOL.balance_tolerance):
         """Compress without friction under σ₀ from the right and the top until all is balanced.

@@ -22,6 +22,7 @@ from yade.wrapper import (Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortC
 
 import rcr
 from rcr import _kernel
+from rcr.study import grains
 from rcr.study.protocol import PROTOCOL
 
 O = Omega()
@@ -29,31 +30,29 @@ O = Omega()
 SOLVER_ITERATIONS = 3000  # of a step of the compaction, at most
 
 
-def random_radii(count, rng):
-    """Return radii uniform in volume fraction: number density ∝ R⁻² in [R_min, 2 R_min] [m]."""
-    return PROTOCOL.smallest_radius / (1 - 0.5 * rng.random(count))
+def random_radii(count, rng, span=2):
+    """Return radii uniform in volume fraction: number density ∝ R⁻² in [R_min, span R_min] [m]."""
+    return PROTOCOL.smallest_radius / (1 - (1 - 1 / span) * rng.random(count))
 
 
 def make_scene(parameters):
     """Make the loose packing, its walls and its engines in the running YADE.
 
     Each grain is inscribed in a circle, at a random angle. The circles are deposited layer by layer
-    in a box about as high as wide (`deposition.hpp`) and do not depend on the elongation.
+    in a box about as high as wide (`deposition.hpp`) and do not depend on the shape.
     """
     O.reset()
     count = parameters["particles"]
     rng = np.random.default_rng(parameters["seed"])
-    radii = random_radii(count, rng)
+    radii = random_radii(count, rng, parameters["size_span"])
     area = math.pi * np.sum(radii**2)
     width = max(math.sqrt(area / PROTOCOL.deposited_fraction), 2 * radii.max())
     centres = _kernel.deposit(radii, width)
     height = (centres[:, 1] + radii).max()
-    angles = rng.uniform(0, math.pi, count)
     grain, plate = (O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=k))
                     for k in ("grain", "plate"))
-    grains = zip(centres, radii, angles)
-    O.bodies.append([rcr.particle(c, R, parameters["eta"], a, grain) for c, R, a in grains])
-    mass = math.fsum(b.state.mass for b in O.bodies)
+    grains.append(parameters, centres, radii, rng.random(count), grain)
+    mass = math.fsum(O.bodies[k].state.mass for k in grains.ids())
     wall_mass = mass / math.sqrt(count)  # of a row of grains; heavier walls lag behind
     fixed = [rcr.wall(axis, 0, +1, material=plate) for axis in "xy"]
     mobile = [rcr.mobile_wall(axis, at, wall_mass, -1, plate)
@@ -66,13 +65,12 @@ def make_scene(parameters):
 
 def _engines(walls, parameters):
     left, bottom, right, top = walls
+    box, *contacts = grains.functors(parameters["shape"])
     stress = -PROTOCOL.confining_stress
     return [
         ForceResetter(),
-        InsertionSortCollider(
-            [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * PROTOCOL.smallest_radius),
-        InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()],
-                        [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
+        InsertionSortCollider([box, Bo1_Wall_Aabb()], verletDist=0.1 * PROTOCOL.smallest_radius),
+        InteractionLoop(contacts, [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
                         [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         rcr.WallStress(wall=right, start=bottom, end=top, stress=stress),
         rcr.WallStress(wall=top, start=left, end=right, stress=stress),
@@ -196,8 +194,7 @@ def _collapse(test):
     if O.iter == 0 or test.solver.contactPoints > PROTOCOL.sparse_points * len(test.grains):
         wall = PROTOCOL.max_wall_displacement * test.diameter
         contraction = min(contraction, wall / max(test.width, test.height))
-    for body in O.bodies:
-        body.state.pos *= 1 - contraction
+    grains.contract(contraction)
     width, height = test.width, test.height
     test.step(1)
     expands = max(test.width / width, test.height / height) > 1 + contraction / 2

@@ -51,6 +51,11 @@ class Paper:
         Shear strength sin φ(η) of the paper, and its label in figures.
     averages : float
         First strain of the averages over the last one, by default.
+    compares : bool
+        Whether runs may differ in shape and rolling friction; else in their elongation alone.
+    abscissa, abscissa_label : callable and str
+        Abscissa of figures that compare shapes, a function of the value of an observable, and its
+        label; by default the elongation.
     """
 
     about: str
@@ -61,6 +66,9 @@ class Paper:
     strength: Callable = None
     strength_label: str = ""
     averages: float = 0.5
+    compares: bool = False
+    abscissa: Callable = lambda value: value["eta"]
+    abscissa_label: str = r"$\eta$"
     claims: list = dataclasses.field(default_factory=list)
 
     def observables(self):

@@ -23,7 +23,7 @@ class Protocol:
     """
 
     # Grains and load
-    smallest_radius: float = 5e-3  # R_min [m]; the largest radius is 2 R_min
+    smallest_radius: float = 5e-3  # R_min [m]
     density: float = 2600.0  # mass density of grains [kg/m³]
     confining_stress: float = 1e4  # σ₀ on the right and the top wall [Pa]
     deposited_fraction: float = 0.82  # packing fraction of the deposited circles [-]
@@ -79,8 +79,15 @@ class Protocol:
 
 
 PROTOCOL = Protocol()
+REGULAR_HEXAGON = 1 - math.sqrt(0.75)  # η of the regular hexagon
 # deviation of a saved strain, at most; the excess decides ties, which rounding would decide else
 HALF_RECORD = 0.5 * (1 + 1e-6) * PROTOCOL.record_strain
+SHAPES = dict(  # shape of the grains: bounds of η, of all shapes but regular polygons
+    rcr=(0, 1), regular=None, truncated=(REGULAR_HEXAGON, 0.5), hexagon=(REGULAR_HEXAGON, 1),
+    trimer=(0, 0.5))
+SHAPE_NAMES = dict(
+    rcr="rounded-cap rectangle", regular="regular polygon", truncated="truncated triangle",
+    hexagon="elongated hexagon", trimer="trimer")
 ONE_RATE = dict(approach=0, sample_inertia=1)  # parameters of a shear at one rate
 
 
@@ -122,7 +129,8 @@ def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e
                      threads=0, inertial_number=PROTOCOL.inertial_number,
                      time_step=PROTOCOL.time_step, law="cd", stiffness=PROTOCOL.stiffness,
                      iterations=None, approach=PROTOCOL.approach,
-                     sample_inertia=PROTOCOL.sample_inertia):
+                     sample_inertia=PROTOCOL.sample_inertia, shape="rcr", sides=None, size_span=2,
+                     rolling_friction=0):
     """Return the parameters of a test as a dict, after a check of each.
 
     docs/study/biaxial.md and the help of scripts/biaxial.py describe them. A ValueError reports a
@@ -135,8 +143,11 @@ def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e
         small = _checked("particles", particles) <= PROTOCOL.small_particles
         parameters["iterations"] = PROTOCOL.small_iterations if small else PROTOCOL.iterations
     for name in _RANGES:
-        parameters[name] = _checked(name, parameters[name])
+        if name != "sides" or sides is not None:
+            parameters[name] = _checked(name, parameters[name])
     checks.choice("law", law, ("cd", "smooth"))
+    checks.choice("shape", shape, tuple(SHAPES))
+    _check_shape(parameters)
     checks.choice("solver", solver, _kernel.solver_names())
     _check_combination(parameters)
     return parameters
@@ -156,6 +167,9 @@ _RANGES = dict(  # parameter: check, expected value, condition
     iterations=(checks.integer, "a whole number > 0 of 32 bits", lambda v: 0 < v < 2**31),
     approach=(checks.number, "a strain 0 ≤ approach < 1", lambda v: 0 <= v < 1),
     sample_inertia=(checks.number, "a number > 0, at most 1", lambda v: 0 < v <= 1),
+    sides=(checks.integer, "a number of sides from 3 to 64", lambda v: 3 <= v <= 64),
+    size_span=(checks.number, "a ratio R_max/R_min from 1 to 100", lambda v: 1 <= v <= 100),
+    rolling_friction=(checks.number, "a coefficient ≥ 0, at most 1", lambda v: 0 <= v <= 1),
 )
 
 
@@ -163,6 +177,40 @@ def _checked(name, value):
     """Return a parameter in its type, if it is in its range."""
     check, expected, valid = _RANGES[name]
     return check(name, value, expected, valid)
+
+
+def regular_eta(sides):
+    """Return η = 1 − cos(π/n) of a regular polygon of n sides [-]."""
+    return 1 - math.cos(math.pi / sides)
+
+
+def stored_attributes(parameters):
+    """Return the parameters that summary.json and networks contain, without those not given."""
+    names = "eta", "seed", "shape", "sides", "size_span", "rolling_friction"
+    return {name: parameters[name] for name in names if parameters[name] is not None}
+
+
+def _check_shape(parameters):
+    """Raise ValueError for a shape and parameters that exclude each other; set η of polygons."""
+    shape, sides, eta = (parameters[name] for name in ("shape", "sides", "eta"))
+    if (shape == "regular") != (sides is not None):
+        given = f"shape = {shape!r} with sides = {sides}"
+        raise ValueError(f"{given}; sides belong to the shape 'regular' alone, which needs them")
+    if shape == "regular":
+        own = regular_eta(parameters["sides"])
+        if eta not in (DEFAULTS["eta"], own):
+            raise ValueError(f"eta = {eta:g} with shape = 'regular': {sides} sides have η = "
+                             f"1 − cos(π/{sides}) = {own:.4f}; leave it out")
+        parameters["eta"] = own
+    elif not SHAPES[shape][0] - 1e-9 <= eta <= SHAPES[shape][1]:
+        low, high = SHAPES[shape]
+        raise ValueError(f"eta = {eta:g} with shape = {shape!r}; expected {low:.4g} to {high:g}")
+    for name, value, of in (("shape", shape, "rcr"), ("law", parameters["law"], "cd")):
+        if parameters["rolling_friction"] and value != of:
+            raise ValueError(f"rolling_friction = {parameters['rolling_friction']:g} with {name} = "
+                             f"{value!r}: expected {name} = {of!r}, or no rolling friction")
+    if parameters["rolling_friction"] and parameters["solver"] == "exact":
+        raise ValueError("rolling_friction with solver = 'exact', which has none; take 'auto'")
 
 
 def _check_combination(parameters):

@@ -42,7 +42,8 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None, paper=None)
     with html_page.scratch(out, begin) as folder:
         pictures = {key: [] for key in analysis}
         for key in analysis:
-            if OBSERVABLES[key].figure:
+            shown = key in paper.statements or not paper.compares
+            if OBSERVABLES[key].figure and shown:
                 progress(key)
                 pictures[key] += drawing.save(draw(key, analysis, paper), folder / key)[:1]
         for key, network in _map_networks(runs, paper):
@@ -58,7 +59,8 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None, paper=None)
                  _first_figures(runs, analysis, paper),
                  *_tables(table, report_text.has_small_packing(runs)),
                  f"<h2>Tests and errors</h2><p>{material}</p>", "<h2>Figures</h2>",
-                 *(_figure(key, entry, pictures[key]) for key, entry in analysis.items())]
+                 *(_figure(key, entry, pictures[key]) for key, entry in analysis.items()
+                   if pictures[key])]
         (folder / "report.html").write_text(html_page.page(TITLE, parts), encoding="utf-8")
     return table
 

@@ -9,9 +9,9 @@ from rcr._data import checks
 from rcr.study import protocol
 from rcr.observables.packings import SEEDS
 from rcr.study.criteria import SIGMAS
+from rcr.study.kinds import group_by_kind
 from rcr.study.paper import AGREES, DIFFERS, NOT_TESTED
 from rcr.study.protocol import HALF_RECORD
-from rcr.study.runs import group_by_eta
 
 SLOW = 2e-4  # inertial number up to which a test is called slow [-]
 FEWEST = 1000  # grains from which on the verdicts of the table mean something
@@ -20,24 +20,26 @@ REACHED, MOVES, UNKNOWN = "reached", "moves", "unknown"  # states of the critica
 
 def lead(runs, analysis, table, paper):
     """Return the five sentences at the top of the report."""
-    return [_sheared(runs, analysis), paper.about, _outcome(analysis, table, paper),
+    return [_sheared(runs, analysis), paper.about, _outcome(runs, analysis, table, paper),
             _certainty(runs, analysis), _critical(runs, analysis)]
 
 
 def _sheared(runs, analysis):
     value = analysis["O1"]["value"]
-    etas, seeds, end = listed(value["eta"]), spread(value["seeds"], "{:.0f}"), _end(runs)
-    each, kinds = "each", " (0 is a disc, values near 1 are needles)"
+    etas, seeds, end = named(group_by_kind(runs)), spread(value["seeds"], "{:.0f}"), _end(runs)
+    each, kinds = "each elongation", " (0 is a disc, values near 1 are needles)"
     if len(value["eta"]) == 1:
-        each, kinds = "the", ""
+        each, kinds = "the elongation", ""
+    if not _differ_in_elongation(group_by_kind(runs)):
+        each, kinds = "each of" if len(value["eta"]) > 1 else "grains of", ""
     several = seeds != "1"
     packings = (f"{seeds} random packing{'s' * several} (seed{'s' * several}) of "
                 f"{spread(value['particles'], '{:.0f}')} grains in two dimensions")
     start = spread([run.from_strain for run in runs], "{:.2g}")
-    return (f"For {each} elongation η = {etas}{kinds}, {packings} {'were' if several else 'was'} "
-            "sheared in a biaxial test (the top wall moves down, the lateral stress is constant) up "
-            f"to a strain of {end}; values are means over strains of {start} to {end}, at "
-            f"{_rate(runs)}.")
+    return (f"For {each} {etas}{kinds}, {packings} "
+            f"{'were' if several else 'was'} sheared in a biaxial test (the top wall moves down, "
+            f"the lateral stress is constant) up to a strain of {end}; values are means over "
+            f"strains of {start} to {end}, at {_rate(runs)}.")
 
 
 def _end(runs):
@@ -54,9 +56,10 @@ def _rate(runs):
             "on)")
 
 
-def _outcome(analysis, table, paper):
+def _outcome(runs, analysis, table, paper):
     value, count = analysis["O1"]["value"], verdicts(table)
-    ends = [f"{value['sin_phi'][k]:.2f} at η = {value['eta'][k]:g}" for k in (0, -1)]
+    names = [kind.name for kind in group_by_kind(runs)]
+    ends = [f"{value['sin_phi'][k]:.2f} at {names[k]}" for k in (0, -1)]
     measured = " and ".join(dict.fromkeys(ends))
     stated = ""
     if paper.strength:
@@ -83,7 +86,7 @@ def _certainty(runs, analysis):
 def _critical(runs, analysis):
     """Say for which elongations the averages are those of the critical state."""
     states, value = critical_states(runs, analysis), analysis["O15"]["value"]
-    etas = {state: listed([eta for eta, one in states.items() if one == state])
+    etas = {state: named([kind for kind, one in states.items() if one == state])
             for state in (REACHED, MOVES, UNKNOWN)}
     what = "The critical state, in which nothing changes any more,"
     if not approached(runs):
@@ -91,14 +94,14 @@ def _critical(runs, analysis):
                 f"which begins at a strain of {slow_strain(runs):.2g}.")
     parts = []
     if etas[REACHED]:
-        parts.append(f"is reached at η = {etas[REACHED]} as far as the fabric shows")
+        parts.append(f"is reached at {etas[REACHED]} as far as the fabric shows")
     if etas[MOVES]:
-        rows = [f"{change:+.2f} ± {error:.2f}" for eta, change, error in zip(
-            value["eta"], value["a_c_drift"], value["a_c_drift_error"]) if states[eta] == MOVES]
-        parts.append(f"is not reached at η = {etas[MOVES]}, where the anisotropy a_c of the "
+        rows = [f"{change:+.2f} ± {error:.2f}" for state, change, error in zip(
+            states.values(), value["a_c_drift"], value["a_c_drift_error"]) if state == MOVES]
+        parts.append(f"is not reached at {etas[MOVES]}, where the anisotropy a_c of the "
                      f"contacts still changes, by {' and '.join(rows)}")
     if etas[UNKNOWN]:
-        parts.append(f"is unknown at η = {etas[UNKNOWN]}, for want of three networks of a test")
+        parts.append(f"is unknown at {etas[UNKNOWN]}, for want of three networks of a test")
     return f"{what} {'; it '.join(parts)}."
 
 
@@ -117,16 +120,17 @@ def approached(runs):
 
 
 def critical_states(runs, analysis):
-    """Return {η: whether the averages are those of the critical state}.
+    """Return {`Kind`: whether the averages are those of the critical state}.
 
     It is `REACHED` if they begin beyond the approach and a_c changes over them by at most `SIGMAS`
     of its errors, `UNKNOWN` if this change or its error is unknown, else `MOVES`.
     """
     value, beyond, states = analysis["O15"]["value"], approached(runs), {}
-    for eta, change, error in zip(value["eta"], value["a_c_drift"], value["a_c_drift_error"]):
+    columns = group_by_kind(runs), value["a_c_drift"], value["a_c_drift_error"]
+    for kind, change, error in zip(*columns):
         steady = beyond and abs(change) <= SIGMAS * error
         known = np.isfinite([change, error]).all()
-        states[float(eta)] = MOVES if not beyond or known and not steady else (
+        states[kind] = MOVES if not beyond or known and not steady else (
             REACHED if known else UNKNOWN)
     return states
 
@@ -135,6 +139,18 @@ def listed(values, form="{:g}"):
     """Return numbers as a list in a sentence: 0, 0.4 and 0.7."""
     words = [form.format(value) for value in values]
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def named(kinds):
+    """Return kinds of grains as a list in a sentence: η = 0 and 0.4."""
+    if _differ_in_elongation(kinds):
+        return f"η = {listed([kind.eta for kind in kinds])}" if kinds else ""
+    return listed([kind.name for kind in kinds], "{}")
+
+
+def _differ_in_elongation(kinds):
+    """Return whether kinds of grains are rounded-cap rectangles without rolling friction."""
+    return all(kind.shape == "rcr" and kind.rolling_friction == 0 for kind in kinds)
 
 
 def spread(values, form):
@@ -158,23 +174,24 @@ def material(runs, analysis):
     """Describe the runs: size, drift, boxes, and errors of the solver."""
     value = analysis["O1"]["value"]
     strains = [float(network.attributes["strain"]) for run in runs for network in run.networks]
-    columns = ("eta", "particles", "seeds", "networks", "contacts")
-    form = "η = {:g}: {:.0f} particles, {} seed(s), {} networks, {} contacts"
-    rows = "; ".join(form.format(*row) for row in zip(*(value[name] for name in columns)))
+    columns = ("particles", "seeds", "networks", "contacts")
+    form = "{}: {:.0f} particles, {} seed(s), {} networks, {} contacts"
+    names = [kind.name for kind in group_by_kind(runs)]
+    rows = "; ".join(form.format(*row) for row in zip(names, *(value[n] for n in columns)))
     window = f"{min(strains):.3f} to {max(strains):.3f}"
     state = f"Averages are over networks at strains from {window}. {rows}."
-    return " ".join([state, _drifts(analysis), _boxes(runs), unconverged_steps(runs),
+    return " ".join([state, _drifts(names, analysis), _boxes(runs), unconverged_steps(runs),
                      yielded_steps(runs), cost(runs)])
 
 
-def _drifts(analysis):
+def _drifts(names, analysis):
     """Describe the change of a_c over the networks."""
     value = analysis["O15"]["value"]
-    columns = zip(value["eta"], value["a_c_drift"], value["a_c_drift_error"])
+    columns = zip(names, value["a_c_drift"], value["a_c_drift_error"])
     rows = [row for row in columns if np.isfinite(row[1])]
     if not rows:
         return "The change of a_c over the strain is unknown: there are too few networks."
-    text = "; ".join(f"η = {eta:g}: {change:+.2f} ± {error:.2f}" for eta, change, error in rows)
+    text = "; ".join(f"{name}: {change:+.2f} ± {error:.2f}" for name, change, error in rows)
     return f"Change of a_c over these strains: {text}."
 
 
@@ -215,7 +232,7 @@ def of_summary(run, name):
 def unconverged_steps(runs):
     """Describe the steps of the shear that missed the tolerances of the solver."""
     parts = []
-    for eta, group in group_by_eta(runs).items():
+    for kind, group in group_by_kind(runs).items():
         rows = of_summaries(group, "missed_fraction", "missed_mean", "missed_max")
         if not rows:
             continue
@@ -225,7 +242,7 @@ def unconverged_steps(runs):
             factor = sum(a * b for a, b in zip(share, mean)) / sum(share)
             text = (f"{100 * sum(share) / len(share):.1f} %, by a factor of {factor:.2g} in the "
                     f"mean, {max(largest):.2g} at most")
-        parts.append(f"η = {eta:g}: {text}")
+        parts.append(f"{kind.name}: {text}")
     if not parts:
         return "No summary.json counts the steps that missed the tolerance of the solver."
     return f"Steps that missed a tolerance of the solver: {'; '.join(parts)}."
@@ -237,9 +254,9 @@ def yielded_steps(runs):
     if not known:
         return "No history counts the steps without a solution."
     parts = []
-    for eta, group in group_by_eta(known).items():
+    for kind, group in group_by_kind(known).items():
         steps, marked, records, networks, _ = map(sum, zip(*(run.yielded for run in group)))
-        text = f"η = {eta:g}: {steps}"
+        text = f"{kind.name}: {steps}"
         if steps:
             text += f", in {marked} of {records} records, with {networks} network(s)"
         parts.append(text)

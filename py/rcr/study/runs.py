@@ -15,14 +15,16 @@ import numpy as np
 from rcr._data import checks, files, run_folder
 from rcr.network import Network
 from rcr.ensemble import common_value
-from rcr.study.protocol import HALF_RECORD, critical_start, is_critical
+from rcr.study.kinds import Kind, group_by_kind
+from rcr.study.protocol import HALF_RECORD, SHAPES, critical_start, is_critical
 
 _TWO_RUNS = "the folder mixes two runs; remove the files of one"
 _HISTORY = "strain", "stress_x", "stress_y"
 _YIELDED = "yielded_steps"
 _MOST_OBLIQUE = 20  # angle of σ₁ to x or y, at most [°]; it lowers sin φ of the walls by 23 %
 _FREE = "seed", "threads", "strain", "networks", "include_yielded"  # may differ between seeds
-_FREE_OF_ETA = *_FREE, "eta", "particles", "iterations"  # may differ between elongations
+_FREE_OF_KIND = (  # may differ between elongations, and between kinds that are compared
+    *_FREE, "eta", "particles", "iterations", "shape", "sides", "rolling_friction")
 _WINDOW_SHARE = 0.1  # difference of the windows of two elongations over their length, at most [-]
 
 
@@ -54,6 +56,11 @@ class Run:
     def eta(self):
         """Elongation [-]."""
         return common_value(self.networks, "eta")
+
+    @property
+    def kind(self):
+        """The `Kind` of its grains."""
+        return Kind.of(self.networks[0].attributes, self.eta)
 
     @classmethod
     def read(cls, folder, from_strain=None, to_strain=None, include_yielded=False, averages=0.5):
@@ -206,14 +213,15 @@ def _check_network(path, network, record):
     if not network.between_particles.any():
         raise ValueError(f"{path} has no contact between grains; expected a packing that bears a "
                          "load: remove the file, or save the network after a step")
+    shape = checks.choice(f"{path}: shape", attributes.get("shape", "rcr"), tuple(SHAPES))
     found = (network.particles["half_length"] / network.particles["R"]).max(initial=0)
-    if abs(found - attributes["eta"]) > 1e-6:
+    if shape != "trimer" and abs(found - attributes["eta"]) > 1e-6:
         raise ValueError(f"{path} has eta = {attributes['eta']:g} and grains with half_length/R up "
                          f"to {found:g}; expected equal numbers: correct the attribute")
     if not record:
         return
     known, where = record["parameters"] | dict(run=record["run"]), path.parent / run_folder.RUN
-    for name in ("eta", "seed", "run"):
+    for name in ("eta", "seed", "run", "shape", "rolling_friction"):
         given = attributes.get(name, record["run"] if name == "run" else None)
         if name in known and given != known[name]:
             raise ValueError(f"{path} has {name} = {given}, {where} {known[name]}: {_TWO_RUNS}")
@@ -245,28 +253,28 @@ def _value(line, name, row):
     return checks.number(f"line {line}: {name}", value)
 
 
-def by_elongation(runs):
-    """Return {η: its runs}, η rising; runs of one elongation are seeds.
+def by_kind(runs, compares=False):
+    """Return {`Kind`: its runs}, rising; runs of one kind are seeds.
 
     A ValueError reports runs that differ in friction, a run that is given twice, runs of one
-    elongation that differ in more than their seed, and elongations with different parameters or
-    windows of strain.
+    kind that differ in more than their seed, and kinds with different parameters or windows of
+    strain. Unless `compares` is set, kinds that differ in more than the elongation are one more.
     """
     common_value([network for run in runs for network in run.networks], "friction")
-    groups = group_by_eta(runs)
+    groups = group_by_kind(runs)
+    families = {kind[:2]: kind.name for kind in groups}
+    if len(families) > 1 and not compares:
+        raise ValueError(f"the tests have grains of several kinds: {', '.join(families.values())}; "
+                         "expected one shape and one rolling friction, or a --paper that compares "
+                         "shapes: cegeo_2012 or estrada_2011")
     for group in groups.values():
         _check_seeds(group)
     for one, two in itertools.combinations(runs, 2):
         length = min(run.to_strain - run.from_strain for run in (one, two))
         _check_windows(one, two, max(2 * HALF_RECORD, _WINDOW_SHARE * length))
         todo = "tests that differ in elongation, seed and size alone; analyse others apart"
-        _check_parameters(one, two, _FREE_OF_ETA, todo)
+        _check_parameters(one, two, _FREE_OF_KIND, todo)
     return groups
-
-
-def group_by_eta(runs):
-    """Return {η: its runs}, η rising."""
-    return {eta: [run for run in runs if run.eta == eta] for eta in sorted({r.eta for r in runs})}
 
 
 def _check_seeds(runs):

@@ -36,7 +36,7 @@ def start(test):
     solver.overdamped = solver.trackMeanStretch = False
     solver.yieldCompliance = PROTOCOL.yield_compliance
     rest()
-    _set_friction(test, parameters["friction"])
+    _set_friction(test, parameters["friction"], parameters["rolling_friction"])
     for engine in O.engines:
         if isinstance(engine, rcr.WallStress) and engine.wall == test.top:
             engine.dead = True
@@ -47,12 +47,18 @@ def start(test):
         O.dt = rate_and_step(test)[1] * test.time_unit
 
 
-def _set_friction(test, friction):
-    """Set the friction between grains; walls stay smooth."""
-    O.materials["grain"].frictionAngle = math.atan(friction)  # of contacts that form later
+def _set_friction(test, friction, rolling):
+    """Set both frictions between grains; walls stay smooth."""
+    grain = O.materials["grain"]
+    grain.frictionAngle = math.atan(friction)  # of contacts that form later
+    if rolling:
+        loop = utils.typedEngine("InteractionLoop")
+        loop.physDispatcher.functors[0].rollingFriction = MatchMaker(
+            matches=((grain.id, grain.id, rolling),), algo="val", val=0)
     for i in O.interactions:
         if i.isReal and max(i.id1, i.id2) < test.left:
             i.phys.tangensOfFrictionAngle = friction
+            i.phys.rollingFriction = rolling
 
 
 def switch_to_springs(test, stiffness):

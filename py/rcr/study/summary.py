@@ -22,7 +22,8 @@ def summarize(test, include_yielded=False):
     last record; `last_record_left_out` says that the means leave it out. docs/study/biaxial.md
     describes the keys.
     """
-    parameters = {name: test.parameters[name] for name in ("eta", "particles", "seed")}
+    names = "eta", "particles", "seed", "shape", "sides", "size_span", "rolling_friction"
+    parameters = {name: test.parameters[name] for name in names}
     means = _strength(test, include_yielded)
     left_out = bool(test.rows) and test.rows[-1]["yielded_steps"] > 0 and not include_yielded
     last = dict(last_record_left_out=left_out)

@@ -221,6 +221,14 @@ def test_a_signal_stops_it_and_it_resumes_to_the_same_bits(tmp_path):
     ("--iterations 0", "--iterations 0: expected at least 1"),
     ("--time-step 0", "--time-step 0.0: expected a number > 0, at most 10"),
     ("--friction 0", "--friction 0.0: expected a coefficient > 0, at most 100"),
+    ("--shape trimer --etas 0.6", "eta = 0.6 with shape = 'trimer'; expected 0 to 0.5"),
+    ("--shape regular", "shape = 'regular' with sides = None; sides belong to the shape 'regular' "
+     "alone, which needs them"),
+    ("--shape regular --sides 5 --etas 0", "sides determine η; give one of them"),
+    ("--shape regular --sides 2", "--sides 2: expected at least 3 and at most 64"),
+    ("--shape trimer --etas 0.2 --rolling-friction 0.1",
+     "expected shape = 'rcr', or no rolling friction"),
+    ("--size-span 0", "--size-span 0.0: expected a ratio R_max/R_min from 1 to 100"),
     ("--qui", "unrecognized arguments: --qui"),
     ("--out=", "--out '': expected a path"),
 ])  # fmt: skip
@@ -257,6 +265,21 @@ def test_the_report_is_that_of_the_last_campaign(tmp_path):
     runs = json.loads((copy / "report" / "run.json").read_text())["parameters"]["runs"]
     assert [os.path.basename(run["folder"]) for run in runs] == [
         "particles-60-strain-0.004-networks-2-eta-0.5-seed-2"]
+
+
+@needs_snakemake
+def test_other_grains_are_set_against_their_paper(tmp_path):
+    """The same command with another paper writes another report."""
+    small = ["--particles", "60", "--strain", "0.004", "--networks", "2", "--etas", "0",
+             "--rolling-friction", "0,0.1", "--size-span", "3"]
+    campaign(tmp_path, *small)
+    names = {path.name for path in (tmp_path / "runs").iterdir()}
+    assert names == {"particles-60-strain-0.004-networks-2-size-span-3-eta-0-rolling-friction-"
+                     f"{rolling}-seed-1" for rolling in ("0", "0.1")}
+    page = tmp_path / "report" / "report.html"
+    assert "Estrada" in page.read_text() and "η = 0, µ_r = 0.1" in page.read_text()
+    assert "complete after" not in campaign(tmp_path, *small, "--paper", "cegeo_2012").stderr
+    assert "CEGEO" in page.read_text()
 
 
 @needs_snakemake
