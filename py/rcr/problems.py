@@ -133,10 +133,8 @@ def _solve_bodies(problem, warm, settings):
     from rcr import _kernel
 
     arguments, order = problem.arrays(), problem.order()
-    for name in () if warm else ("impulse", "rolling_impulse"):
+    for name in () if warm else {"impulse", "rolling_impulse"} & arguments.keys():
         arguments[name] = np.zeros_like(arguments[name])
-    if not problem.rolling_friction.any():
-        arguments = {name: arguments[name] for name in arguments if "rolling" not in name}
     found = _kernel.solve(**arguments, **settings)
     for name in {"impulse", "relative_velocity", "rolling_impulse"} & found.keys():
         found[name][order] = found[name].copy()

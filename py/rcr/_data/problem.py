@@ -70,10 +70,15 @@ class BodyProblem:
         return np.lexsort(self.bodies.T[::-1])
 
     def arrays(self):
-        """Return the arguments of the kernels, with the points in their `order`."""
+        """Return the arguments of the kernels, with the points in their `order`.
+
+        Adhesion and rolling resistance are left out where no point has them.
+        """
         self.__post_init__()  # attributes may have been set since
         order, of_bodies = self.order(), ("inverse_mass", "free_velocity")
-        columns = vars(self).items()
+        without = {"pull"} if not self.pull.any() else set()
+        without |= set(LAWS[1:]) if not self.rolling_friction.any() else set()
+        columns = [(name, value) for name, value in vars(self).items() if name not in without]
         return {name: value if name in of_bodies else value[order] for name, value in columns}
 
     def delassus(self):
