@@ -15,7 +15,7 @@ from rcr._data import files
 from rcr import statistics
 from rcr.ensemble import Ensemble
 from rcr.distributions import POWER_RANGE
-from rcr.study.runs import Run, by_elongation
+from rcr.study.runs import Run, by_kind
 from rcr.xi_networks import XiNetworks
 
 COLUMNS = "eta points weak_share beta_n c_f_lr c_f_l a_c_weak xi_a_ln".split()
@@ -86,7 +86,7 @@ def xi_networks_of(fn, normal_length, theta):
 
 def main():
     options = arguments()
-    groups = by_elongation([Run.read(folder) for folder in options.folders])
+    groups = by_kind([Run.read(folder) for folder in options.folders])
     rows = [row(runs, points) for runs in groups.values() for points in (1, 2, 4)]
     rows = [{name: f"{value:.4g}" for name, value in r.items()} for r in rows]
     files.write(options.out, files.table(COLUMNS, rows))

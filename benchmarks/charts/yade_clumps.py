@@ -8,7 +8,7 @@ from yade.minieigenHP import Vector3
 from yade import wrapper as w
 
 import rcr
-from rcr._yade.scene_arrays import angle, lengths
+from rcr._yade.scene_arrays import angle
 from rcr.network import BOTTOM, LEFT, RIGHT, TOP, Network
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
@@ -101,7 +101,8 @@ class Stock(Biaxial):
 def _grain(body):
     """(centre, angle, half length, cap radius, mass, moment of inertia) of an RCR."""
     state = body.state
-    return tuple(state.pos), angle(state.ori), *lengths(body.shape), state.mass, state.inertia[2]
+    sizes = body.shape.halfLength, body.shape.capRadius
+    return tuple(state.pos), angle(state.ori), *sizes, state.mass, state.inertia[2]
 
 
 def _pairs(walls):

@@ -15,7 +15,8 @@ class Frame(Table):
     """The `Table` of the present scene of YADE, or of these attributes.
 
     ``R``, ``center`` and ``shape`` of the grains have defaults: the sum of cap radius and half
-    length, the position, and −1. ``adhesion`` and ``rolling_moment`` of the contacts are 0 by default.
+    length, the position, and −1. ``adhesion`` and ``rolling_moment`` of the contacts are
+    0 by default.
     """
 
     def __init__(self, grains, contacts, **attributes):

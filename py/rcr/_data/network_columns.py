@@ -75,7 +75,7 @@ def check_meaning(particles, contacts, shapes):
     length = np.hypot(*contacts["normal"].T)
     checks.require(abs(length - 1) < 1e-6, "the length of contacts/normal", length, "1")
     normal_force = np.einsum("ca,ca->c", contacts["force"], contacts["normal"])
-    if len(length) and not normal_force.mean() > 0:
+    if len(length) and not contacts["adhesion"].any() and not normal_force.mean() > 0:
         given = f"the mean normal force is {normal_force.mean():g}"
         raise ValueError(f"{given}; expected > 0, compression")
     distance = _distances_along_normals(particles, contacts)

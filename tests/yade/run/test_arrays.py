@@ -254,7 +254,7 @@ def test_a_changed_shape_renews_the_list_of_pairs(field):
 
 FALL = dict(count=40, kinds=["Rcr", "Sphere"], gravity=9.81, dt=1e-3, solver="auto", speed=0.5,
             overdamped=False, turning=False, motion="none", blocked=0, violent=0, events=[],
-            runs=[STEPS, 1])
+            periodic=False, cell_stress=0, flip=False, runs=[STEPS, 1])
 
 
 CHANGES = {

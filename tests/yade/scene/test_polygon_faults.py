@@ -70,7 +70,7 @@ SHAPES = [  # attributes, words of the error
 def test_shapes_that_are_refused(values, match):
     resting()
     body = O.bodies[1]
-    given = dict(vertices=[tuple(v) for v in body.shape.vertices], radius=body.shape.radius) | values
+    given = dict(vertices=[*map(tuple, body.shape.vertices)], radius=body.shape.radius) | values
     refused(f"RoundedPolygon.*{match}.*{OWN}", rcr.RoundedPolygon, **given)
     steps(1)
     for name, value in values.items():
@@ -94,8 +94,8 @@ FAULTS = {
         "body #2 is a RoundedPolygon without vertices; make it by rcr.polygon"),
     "vertices removed": (
         lambda: shape(vertices=[]), "body #1 is a RoundedPolygon without vertices; make it by"),
-    "tilted": (lambda: set_state(1, ori=Quaternion((1, 0, 0), 0.1)), "#1 is tilted out of the plane"),
-    "z": (lambda: O.bodies.append(square((0, 1, 0.5))), "#2 lies at z = 0.5, other grains at z = 0"),
+    "tilted": (lambda: set_state(1, ori=Quaternion((1, 0, 0), 0.1)), "#1 is tilted out of the"),
+    "z": (lambda: O.bodies.append(square((0, 1, 0.5))), "#2 lies at z = 0.5, other grains at"),
     "position": (lambda: set_state(1, pos=(math.nan, 0, 0)), "#1 has the position .nan"),
     "velocity": (lambda: set_state(1, angVel=(0, 0, math.inf)), "#1 has the angular velocity"),
     "degrees of freedom": (lambda: set_state(1, blockedDOFs=""), "#1 is free to leave the plane"),

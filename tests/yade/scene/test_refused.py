@@ -543,7 +543,7 @@ def test_an_erasure_of_pairs_that_the_collider_has_listed_is_refused():
 def test_a_scene_that_becomes_faulty_is_refused_at_its_next_contact():
     """One error; the scene continues after the fault is mended."""
     disc = grain_on_floor(0, height=0.3, tolerance=1e-4)
-    O.trackEnergy = True  # steps by YADE's engines
+    solver().tuning = dict(arrays=False)
     insert(4, w.PyRunner(command="O.bodies[1].mat.frictionAngle = 2", iterPeriod=20, nDo=2))
     with pytest.raises(RuntimeError, match="rcr: body #.* has the friction angle 2"):
         O.run(400, True)
