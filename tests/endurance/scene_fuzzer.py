@@ -17,6 +17,7 @@ from yade import wrapper as w
 from yade.minieigenHP import Quaternion
 
 import children
+import outlines
 
 TESTS = pathlib.Path(__file__).parents[1]
 sys.path[:0] = [str(TESTS / "yade"), str(TESTS)]
@@ -280,6 +281,14 @@ class Bounds:
         if deepest > bound and not before and not self.missed:  # contacts show it a step later
             return f"an overlap of {deepest:.3g} (R₁ + R₂)"
 
+    def detection_violated(self):
+        """An overlap of the bodies at the end that no contact shows, by an independent distance."""
+        if self.scene["periodic"] or self.scene["law"] != "rigid" or self.missed:
+            return None
+        seen, found = max(DEEPEST, self.deepest, deepest_overlap()), outlines.deepest_overlap()
+        if found > seen + DEEPEST:  # of the last step
+            return f"an overlap of {found:.3g} (R₁ + R₂), where contacts show {seen:.3g}"
+
     def energy_violated(self):
         scene = self.scene
         rigid = scene["law"] == "rigid" and not scene["overdamped"]
@@ -326,6 +335,8 @@ def outcome(seed, steps):
         if wrong := bounds.violated(k > 0):
             return f"{wrong} after step {k}"
         disturb(scene, k, steps)
+    if not spoiled and (wrong := bounds.detection_violated()):
+        return wrong
     if spoiled == "late" and scene["law"] == "rigid" and O.interactions.countReal():
         return f"ran with the fault '{scene['fault']}'"
     return "ran"

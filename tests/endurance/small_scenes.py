@@ -14,7 +14,7 @@ from yade import O, utils
 from yade import wrapper as w
 from yade.minieigenHP import Matrix3, Quaternion
 
-from scene_fuzzer import R, deepest_overlap, scenes, set_state, solver
+from scene_fuzzer import R, corners_of, deepest_overlap, scenes, set_state, solver
 
 SLOP = 1.01e-4  # overlap over R₁ + R₂; corrections of deeper ones depend on the order of bodies
 SETTLING = 25  # steps
@@ -28,7 +28,23 @@ def part(kind, at, angle, size=R, form=0.0):
 
 def random_scene(seed):
     rng = np.random.default_rng(seed)
-    return settled(column(rng), rng)
+    scene = column(rng)
+    return settled(with_polygons(scene, seed) if seed % 4 == 3 else scene, rng)
+
+
+def with_polygons(scene, seed):
+    """The scene with polygons of random corners in the place of its Rcrs."""
+    rng = np.random.default_rng([seed, 1])
+
+    def polygon(p):
+        if p["kind"] != "Rcr":
+            return p
+        corners, rounding = corners_of(rng, p["size"], p["form"])
+        return {**p, "kind": "RoundedPolygon", "form": rounding / p["size"],
+                "corners": corners @ [1, 1j]}
+
+    return {**scene, "bodies": [{**b, "parts": list(map(polygon, b["parts"]))}
+                                for b in scene["bodies"]]}
 
 
 def column(rng):
@@ -90,8 +106,10 @@ def transformed(scene, turn=1, flip=False, shift=0, drift=0, step=1, length=1, t
     vector = lambda z: turn * (-z.conjugate() if flip else z)
     matrix = np.array([[vector(1).real, vector(1j).real], [vector(1).imag, vector(1j).imag]])
     tensor = lambda m: matrix @ m @ matrix.T
+    corners = lambda z: length * (z.conjugate() if flip else z)
     shape = lambda p: {**p, "at": length * (vector(p["at"]) + shift), "size": length * p["size"],
-                       "angle": cmath.phase(vector(cmath.rect(1, p["angle"])))}
+                       "angle": cmath.phase(vector(cmath.rect(1, p["angle"]))),
+                       **({"corners": corners(p["corners"])} if "corners" in p else {})}
     bodies = [{**b, "v": (vector(b["v"]) + drift) * length / time,
                "spin": (-1) ** flip * b["spin"] / time,
                "parts": [shape(p) for p in b["parts"][::step]]} for b in scene["bodies"][::step]]
@@ -136,6 +154,10 @@ def yade_body(p, material, fixed):
         extents = (p["size"], p["form"] * p["size"], p["size"])
         return utils.box((*at, 0), extents, Quaternion((0, 0, 1), p["angle"]), fixed=True,
                          material=material)  # fmt: skip
+    if p["kind"] == "RoundedPolygon":
+        corners = np.column_stack([p["corners"].real, p["corners"].imag])
+        return rcr.polygon(at, corners, p["form"] * p["size"], p["angle"], material=material,
+                           fixed=fixed)
     if p["kind"] == "Sphere":
         return rcr.disc(at, p["size"], material, p["angle"], fixed)
     return rcr.particle(at, p["size"], p["form"], p["angle"], material, fixed)
