@@ -73,6 +73,20 @@ def test_report_of_two_shapes(tmp_path):
     assert {row.observable for row in table} == {"S1", "S2", "S3", "S4"}
 
 
+@pytest.mark.parametrize("paper", [CEGEO, ESTRADA], ids=["cegeo", "estrada"])
+def test_legends_of_the_figures_fit(paper, tmp_path):
+    shapes = dict(trimer=(0.2,), rcr=(0, 0.4), truncated=(0.3,), hexagon=(0.3,),
+                  regular=[regular_eta(n) for n in (4, 8)])
+    runs = [run for shape in shapes for run in runs_of(tmp_path, shape, shapes[shape])]
+    analysis = analyse(runs + runs_of(tmp_path, "rcr", (0,), 0.1), paper)
+    for key in paper.statements:
+        figure = report.draw(key, analysis, paper)
+        figure.canvas.draw()
+        (legend,) = figure.legends
+        box = legend.get_window_extent()
+        assert 0 <= box.x0 and box.x1 <= figure.bbox.width, key
+
+
 # --- CEGEO ------------------------------------------------------------------------------------
 
 

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 import rcr.observables.forces  # noqa: F401: it registers O3
-from rcr._pictures.curves import MARKERS, column, error_of, plain
+from rcr._pictures.curves import MARKERS, column, error_of, legend_outside, plain
 from rcr.observables.packings import SEEDS, along_strain, strength
 from rcr.observables.registry import OBSERVABLES, register
 from rcr.statistics import standard_error
@@ -31,7 +31,7 @@ def rows_of_shape(value, shape):
     return rows[np.lexsort((rolling[rows], eta[rows]))]
 
 
-def draw_shapes(value, name, paper, ax, filled=True):
+def draw_shapes(value, name, paper, ax, filled=True, legend=True):
     """Draw a number of all kinds of grains, one curve per shape."""
     x = np.asarray(paper.abscissa(value), float)
     for shape, mark, tint in zip(SHAPE_NAMES, MARKERS, COLORS):
@@ -39,10 +39,24 @@ def draw_shapes(value, name, paper, ax, filled=True):
         rows = rows[np.argsort(x[rows], kind="stable")]
         if shape in value["shape"]:
             y, error = column(value, name)[rows], error_of(value, name)[rows]
+            label = SHAPE_NAMES[shape]
+            if shape == "rcr" and not np.asarray(value["eta"])[rows].any():
+                label = "disc"
             ax.errorbar(x[rows], y, error, marker=mark, color=tint, lw=0.8, ms=4,
-                        mfc=None if filled else "w", label=SHAPE_NAMES[shape])
+                        mfc=None if filled else "w", label=label if legend else None)
     ax.set_xlabel(paper.abscissa_label)
     return ax
+
+
+def _below_legend(columns, *plots):
+    """Return a figure function of one or two plots below a legend of this many columns a plot."""
+
+    def figure(value, analysis, paper):
+        made = plain(*plots, legend=False)(value, analysis, paper)
+        legend_outside(made, made.axes[0], "upper center", columns * len(plots))
+        return made
+
+    return figure
 
 
 def _figure(*plots):
@@ -52,8 +66,8 @@ def _figure(*plots):
         draw_shapes(value, name, paper, ax).set_ylabel(symbol)
         return ax
 
-    return lambda value, analysis, paper: plain(
-        *(partial(plot, *pair, paper) for pair in plots))(value, analysis, paper)
+    return lambda value, analysis, paper: _below_legend(
+        2, *(partial(plot, *pair, paper) for pair in plots))(value, analysis, paper)
 
 
 def _of_seeds(rows):
@@ -133,11 +147,13 @@ def _plot_anisotropies(value, analysis, paper):
     def plot(names, value, ax):
         ax.axhline(0, color="0.7", lw=0.6)
         for name in names:
-            draw_shapes(value, name, paper, ax, filled=name in ("a_c", "a_fn"))
+            first = name in ("a_c", "a_fn")
+            draw_shapes(value, name, paper, ax, filled=first, legend=first)
         ax.set_ylabel(", ".join(f"${ANISOTROPIES[name]}$" for name in names))
         return ax
 
-    return plain(*(partial(plot, names) for names in plots))(value, analysis, paper)
+    figure = _below_legend(2, *(partial(plot, names) for names in plots))
+    return figure(value, analysis, paper)
 
 
 register("S5", "Anisotropies of (a) contact normals (filled) and branch vectors, (b) normal "
@@ -147,17 +163,19 @@ register("S5", "Anisotropies of (a) contact normals (filled) and branch vectors,
 
 def _plot_forces(value, analysis, paper):
     def plot(scale, value, ax):
-        x, label = np.asarray(paper.abscissa(value), float), paper.abscissa_label
+        x = np.asarray(paper.abscissa(value), float)
         for k, row in enumerate(column(value, "pdf")):
             shape = list(SHAPE_NAMES).index(value["shape"][k])
             seen = row > 1e-4
             ax.plot(column(value, "f_n")[seen], row[seen], marker=MARKERS[shape], ms=2.5, lw=0.5,
                     color=COLORS[shape], alpha=0.3 + 0.7 * k / len(x),
-                    label=f"{SHAPE_NAMES[value['shape'][k]]}, {label} = {x[k]:.3g}")
+                    label=f"{value['sides'][k]} sides" if value["sides"][k] else
+                    f"{paper.abscissa_label} = {x[k]:.3g}")
         ax.set(xlabel=r"$f_n/\langle f_n\rangle$", ylabel="$P(f_n)$", xscale=scale, yscale="log")
         return ax
 
-    return plain(partial(plot, "linear"), partial(plot, "log"))(value, analysis, paper)
+    figure = _below_legend(4, partial(plot, "linear"), partial(plot, "log"))
+    return figure(value, analysis, paper)
 
 
 register("S6", "Probability density of the normal forces over their mean.",
