@@ -45,7 +45,7 @@ def strength(runs, ensemble, grids):
         sin_phi_error=standard_error(seeds if len(seeds) >= SEEDS else blocks),
         sin_phi_strain=mean_of_finite(curves) if curves else np.full_like(grids.strain, np.nan),
         networks=sum(len(run.networks) for run in runs), contacts=len(ensemble),
-        particles=np.mean([len(run.networks[0].particles["id"]) for run in runs]), seeds=len(runs))
+        particles=np.mean([run.size for run in runs]), seeds=len(runs))
 
 
 def plot_strain(value, ax):

@@ -167,7 +167,7 @@ def verdicts(table):
 
 def has_small_packing(runs):
     """Return whether a packing is too small for verdicts."""
-    return min(len(run.networks[0].particles["id"]) for run in runs) < FEWEST
+    return min(run.size for run in runs) < FEWEST
 
 
 def material(runs, analysis):

@@ -58,6 +58,12 @@ class Run:
         return common_value(self.networks, "eta")
 
     @property
+    def size(self):
+        """Number of grains; members of a clump are one."""
+        clump = self.networks[0].particles["clump"]
+        return int((clump < 0).sum()) + len(np.unique(clump[clump >= 0]))
+
+    @property
     def kind(self):
         """The `Kind` of its grains."""
         return Kind.of(self.networks[0].attributes, self.eta)

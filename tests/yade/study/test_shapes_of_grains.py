@@ -167,6 +167,15 @@ def test_networks_of_polygons_name_contacts_by_corners_and_sides(tmp_path):
     assert Run.read(tmp_path).kind.name == "5 sides"
 
 
+def test_a_trimer_counts_as_one_grain_of_a_run(tmp_path):
+    test = Biaxial.prepare(particles=60, **CASES["trimer"])
+    test.compact()
+    test.isotropic.save(tmp_path / "network-0.0100.h5")
+    run = Run.read(tmp_path)
+    assert run.size == 60 and len(run.networks[0].particles["id"]) == 180
+    assert run.kind.name == "trimer η = 0.3"
+
+
 def test_polygons_have_the_eta_of_their_sides():
     parameters = check_parameters(shape="regular", sides=5)
     assert parameters["eta"] == 1 - math.cos(math.pi / 5)
