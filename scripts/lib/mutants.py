@@ -54,8 +54,6 @@ TABLE = {
          "endsOfVertex(two, j, found.end2);\n\t\tstd::swap(found.end2[0], found.end2[1]);",
          "endsOfVertex(two, j, found.end2);"),
         ("normal-from-core-2", "face.ofOne ? normal : -normal;", "normal;"),
-        ("corners-overlap", "|| face.distance <= 0)", ")"),
-        ("coinciding-corners", "corners.distance <= 1e-12 * size;", "false;"),
         ("steeper-side", "if (!(opening < flattest)) continue;",
          "if (result.count == 2 && opening < flattest) continue;"),
         ("second-point-beyond-the-alert", "|| end.distance - radii > maxGap) continue;",
