@@ -1,8 +1,8 @@
 """Random rows, columns, slots, stacks, carts, trees and packings as plain data, and their problems.
 
-Grains are discs and rods whose axes all lie along `along` (0: x, 1: y). `problem` finds the
-contacts of a scene with NumPy and returns the arrays of `rcr._kernel.solve`. SI units, per unit
-depth.
+Grains are discs and rods whose axes all lie along `along` (0: x, 1: y), or upright bricks.
+`problem` finds the contacts of a scene with NumPy and returns the arrays of `rcr._kernel.solve`. SI
+units, per unit depth.
 """
 
 import math
@@ -20,6 +20,11 @@ SOLVERS = {"auto": 12, "exact": 2, "nesterov": 2, "nlgs": 1, "sor": 1}  # with t
 def grain(x, y, size=R, eta=0.0, mass=1.0, v=(0, 0)):
     """`mass` is a factor; a rod has the half length R η and the cap radius R (1 − η)."""
     return dict(x=float(x), y=float(y), R=float(size), eta=eta, mass=mass, v=tuple(map(float, v)))
+
+
+def brick(x, y, half):
+    """A rectangle with these half widths."""
+    return dict(grain(x, y, math.hypot(*half)), half=tuple(map(float, half)))
 
 
 def wall(axis, at, sense, friction=0.0, v=0.0, load=0.0, mass=0.0):
@@ -118,6 +123,20 @@ def packing(rng, count, pick):
     return dict(grains=grains, walls=[*box, *lid], along=0, friction=rough, gravity=pick(0.0, G, G))
 
 
+def bricks(rng, count, pick):
+    """Courses of bricks in running bond or above each other, perhaps under a lid."""
+    columns, half = int(rng.integers(1, 8)), (R * pick(0.5, 1, 2), R * pick(0.5, 1))
+    gap, bond = pick(0, 0, 1e-4) * R, pick(0, 1)
+    courses = range(min(1 + count // columns, 12))
+    grains = [brick(half[0] * (2 * k + bond * (course % 2)) * (1 + gap), half[1] * (2 * course + 1),
+                    half) for course in courses for k in range(columns)]
+    rough = pick(0.0, 0.5, 0.5)
+    load, mass = pick(0.1, 10, 1000), 10 ** rng.uniform(-2, 3)
+    lid = pick([], [wall(1, 2 * half[1] * len(courses), -1, rough, load=-load, mass=mass)])
+    return dict(grains=grains, walls=[wall(1, 0, 1, rough), *lid], along=0, friction=rough,
+                gravity=pick(0.0, G, G))
+
+
 def _fast_pair(grains, walls, speed):
     """Two discs of which one strikes the other, far from all others; none where walls enclose all.
     """
@@ -136,7 +155,7 @@ def draw(seed):
     """A random scene with its solver."""
     rng = np.random.default_rng(seed)
     pick = lambda *values: values[rng.integers(len(values))]
-    family = FAMILIES[rng.integers(len(FAMILIES))]
+    family = bricks if seed % 8 == 7 else FAMILIES[rng.integers(len(FAMILIES))]
     count = int(round(2 * 150 ** rng.random() ** pick(0.5, 1, 2)))
     scene = family(rng, count, pick)
     grains, walls = scene["grains"], scene["walls"]
@@ -155,7 +174,7 @@ def draw(seed):
     boost = pick(0, 0, 0.1, 1, 10) * np.array(pick((1, 0), (0, 1)) if not rough else (0, 1))
     if pick(0, 0, 0, 1):  # idle: beyond all grains, at rest with them
         walls.append(wall(0, max(g["x"] + g["R"] for g in grains) + pick(1e-5, 0.005) * R, -1))
-    if pick(0, 0, 0, 1):
+    if pick(0, 0, 0, 1) and family is not bricks:
         grains += _fast_pair(grains, walls, pick(1, 10))
     for g in grains:
         g["v"] = tuple(float(v) for v in np.array(g["v"]) + boost)
@@ -172,7 +191,11 @@ def draw(seed):
 
 
 def mass_and_inertia(g):
-    """Of a rod with round caps."""
+    """Of a brick, or a rod with round caps."""
+    if "half" in g:
+        a, b = g["half"]
+        mass = g["mass"] * DENSITY * 4 * a * b
+        return mass, mass * (a**2 + b**2) / 3
     a, c = g["R"] * g["eta"], g["R"] * (1 - g["eta"])
     square, caps = 4 * a * c, math.pi * c**2
     reach = a + 4 * c / (3 * math.pi)  # centroid of a cap
@@ -196,9 +219,11 @@ def problem(scene):
         if w["mass"]:
             inverse[k, w["axis"]] = 1 / w["mass"]
             force[k, w["axis"]] = w["load"] / w["mass"] - scene["gravity"] * (w["axis"] == 1)
-    points = sorted(
-        [*_grain_points(grains, along, scene), *_wall_points(grains, walls, along, scene)],
-        key=lambda point: point[:2])
+    if grains and "half" in grains[0]:
+        found = [*_brick_points(grains, scene), *_bricks_on_walls(grains, walls, scene)]
+    else:
+        found = [*_grain_points(grains, along, scene), *_wall_points(grains, walls, along, scene)]
+    points = sorted(found, key=lambda point: point[:2])
     table = np.array(points, float).reshape(-1, 10)
     found = dict(inverse_mass=inverse, free_velocity=before + DT * force,
                  bodies=table[:, :2].astype(np.int32), normal=table[:, 2:4], arm1=table[:, 4:6],
@@ -263,6 +288,51 @@ def _wall_points(grains, walls, along, scene):
                     middle = np.array((g["x"], g["y"]))
                     foot = middle + arm - np.where(np.arange(2) == axis, w["at"], 0)
                     yield (i, k, *n, *arm, *foot, gap, min(w["friction"], scene["friction"]))
+
+
+def _brick_points(grains, scene):
+    """The ends of the common side of two bricks, or the closest corners."""
+    for i, one in enumerate(grains):
+        for j in range(i + 1, len(grains)):
+            two = grains[j]
+            d = np.array((two["x"] - one["x"], two["y"] - one["y"]))
+            halves = np.array((one["half"], two["half"]))
+            gaps, sign = abs(d) - halves.sum(axis=0), np.where(d < 0, -1, 1)
+            reach = _reach(scene, math.dist(one["v"], two["v"]))
+            if gaps.max() >= reach:
+                continue
+            normal, axis = np.zeros(2), int(gaps.argmax())
+            normal[axis] = sign[axis]
+            other = 1 - axis
+            low = max(-halves[0, other], d[other] - halves[1, other])
+            high = min(halves[0, other], d[other] + halves[1, other])
+            if high - low > PARALLEL:
+                ends, gap = (low, high), gaps[axis]
+            elif gaps.min() > 0:  # corners
+                gap = np.hypot(*gaps)
+                normal = gaps * sign / gap
+                ends = (sign[other] * halves[0, other],)
+            else:
+                continue
+            for end in ends:
+                arm = np.where(np.arange(2) == axis, sign * halves[0], end)
+                if gap < reach:
+                    yield (i, j, *normal, *arm, *(arm + gap * normal - d), gap, scene["friction"])
+
+
+def _bricks_on_walls(grains, walls, scene):
+    for k, w in enumerate(walls, len(grains)):
+        axis, n = w["axis"], np.zeros(2)
+        n[axis] = -w["sense"]  # from the brick to the wall
+        for i, g in enumerate(grains):
+            gap = w["sense"] * ((g["x"], g["y"])[axis] - w["at"]) - g["half"][axis]
+            if gap >= _reach(scene, abs(g["v"][axis] - w["v"])):
+                continue
+            for end in (-1, 1):
+                arm = np.where(np.arange(2) == axis, n, end) * g["half"]
+                foot = np.array((g["x"], g["y"])) + arm
+                foot = foot - np.where(np.arange(2) == axis, w["at"], 0)
+                yield (i, k, *n, *arm, *foot, gap, min(w["friction"], scene["friction"]))
 
 
 def impact(found, state, restitution):

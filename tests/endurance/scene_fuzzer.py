@@ -230,7 +230,8 @@ def spoil(scene):
     fault, body = scene["fault"], next(iter(loose_grains()), None)
     grains = sum(isinstance(b.shape, (rcr.Rcr, rcr.RoundedPolygon, w.Sphere)) for b in O.bodies)
     there = dict(rigid=scene["law"] == "rigid", grain=body is not None, two=grains > 1,
-                 polygon=a_polygon() is not None, open=not scene["periodic"], cell=scene["periodic"])
+                 polygon=a_polygon() is not None, open=not scene["periodic"],
+                 cell=scene["periodic"])
     needs, change = FAULTS.get(fault, ("none", None))
     if not all(there.get(need) for need in needs.split()):
         return False

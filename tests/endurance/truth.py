@@ -99,8 +99,13 @@ def build_in_yade(scene):
     own = materials[scene["friction"]]
     for g in scene["grains"]:
         at = g["x"], g["y"]
-        body = (rcr.particle(at, g["R"], g["eta"], scene["along"] * math.pi / 2, own) if g["eta"]
-                else rcr.disc(at, g["R"], own))
+        if "half" in g:
+            corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)]) * g["half"]
+            body = rcr.polygon(at, corners, material=own)
+        else:
+            turn = scene["along"] * math.pi / 2
+            body = (rcr.particle(at, g["R"], g["eta"], turn, own) if g["eta"]
+                    else rcr.disc(at, g["R"], own))
         body.state.mass *= g["mass"]
         body.state.inertia = body.state.inertia * g["mass"]
         body.state.vel = (*g["v"], 0)
@@ -124,8 +129,8 @@ def build_in_yade(scene):
     solver = rcr.ContactDynamics(solver=scene["solver"])
     O.engines = [
         w.ForceResetter(),
-        w.InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb()],
-                                verletDist=0.1 * R),
+        w.InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), rcr.Bo1_RoundedPolygon_Aabb(),
+                                 w.Bo1_Sphere_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0.1 * R),
         w.InteractionLoop(ig2, [ip2], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         solver, w.NewtonIntegrator(gravity=(0, -scene["gravity"], 0), damping=0)]
     O.dt = DT

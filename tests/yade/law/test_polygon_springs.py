@@ -63,7 +63,7 @@ def energies(count):
 @pytest.mark.parametrize("radius", [0, 0.02])
 @pytest.mark.parametrize("sides", [3, 4])
 def test_a_polygon_that_bounces_on_a_floor_keeps_its_energy(sides, radius):
-    """The leapfrog shifts velocities by half a step: dt ω of the energy, ω² = 3 k_n/m at a corner."""
+    """The leapfrog shifts velocities by half a step: dt ω of the energy, ω² = 3 k_n/m."""
     m, dt, height = material(0.4), 4e-5, 0.3
     _, k = build_springs(rcr.wall("y", 0, material=m), rcr.regular_polygon(
         (0, height), 0.1, sides, radius, angle=0.3, material=m, angular_velocity=3), dt=dt)

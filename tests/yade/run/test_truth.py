@@ -13,6 +13,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
 CLOSE = 1e-7  # rounding over the least eigenvalue of a column of 300 with mass ratios of 1e4
 # Scenes of all families, of which some are boosted, have heavy bodies, friction or restitution.
 SEEDS = 2, 3, 8, 9, 14, 17, 21, 24, 25, 30, 33, 36, 37, 38, 42, 43, 44, 46, 49, 51, 53, 61
+BRICKS = 7, 15, 31, 79, 111, 127  # courses of bricks, polygons in YADE
 SEEDS_IN_YADE = 2, 3, 9, 14, 17, 24, 30, 33, 36, 38, 43, 44, 46, 51
 
 
@@ -94,6 +95,12 @@ def test_converged_problems_are_right():
 def test_converged_steps_of_scenes_are_right():
     wrong, counts = outcomes(truth.in_yade, SEEDS_IN_YADE)
     assert not wrong and counts["islands compared"] > 2 * len(SEEDS_IN_YADE), (wrong, counts)
+
+
+def test_converged_courses_of_bricks_are_right():
+    for check in truth.in_numpy, truth.in_yade:
+        wrong, counts = outcomes(check, BRICKS)
+        assert not wrong and counts["islands compared"] >= len(BRICKS), (wrong, counts)
 
 
 def test_the_residual_alone_calls_wrong_problems_converged(monkeypatch):
