@@ -16,7 +16,8 @@ GRAINS = Rcr, Sphere, RoundedPolygon  # classes of shapes
 _GRAINS = dict(id=0, clump=0, fixed=0, shape=0), dict(
     position=2, angle=0, half_length=0, cap_radius=0, mass=0, velocity=3, color=3, center=2)
 _CONTACTS = dict(body1=0, body2=0, type=0, points=0), dict(
-    position=2, normal=2, force=2, branch=2, friction=0, point_moments=4, adhesion=0, rolling_moment=0)
+    position=2, normal=2, force=2, branch=2, friction=0, point_moments=4, adhesion=0,
+    rolling_moment=0)
 _OBSTACLES = dict(id=0, kind=0, axis=0), dict(position=0, rest=7)
 _LENGTHS = dict(shape=0), dict(half_length=0, cap_radius=0)
 _OUTLINES = dict(count=0), dict(radius=0)  # of polygons, over R: number of corners, rounding

@@ -19,7 +19,7 @@ def contact_network(walls=None, volume=None, **attributes):
     Obstacles are walls, boxes, facets and grains with prescribed motion. An obstacle is always body
     2 and has a negative id; contacts between obstacles are left out. Positions, branch vectors and
     normals belong to the time of the forces, before the step moved the bodies. Contacts in tension
-    are left out with a warning.
+    are included.
 
     A ValueError says that no grain is free, or that an argument is invalid. It also says that O.dt,
     a velocity or a place has changed since the last step.
