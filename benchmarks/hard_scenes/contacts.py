@@ -8,8 +8,8 @@ import rcr
 from rcr._yade.last_problem import last_problem
 
 from .stage import (D, G, R, X, box, deepest, flat, flat_row, hard_scene, kinetic, material,
-                    on_floor, open_box, positions, real_contacts, solver, stadium, state, tilted,
-                    twist)
+                    on_floor, open_box, overlap_of_spinning, positions, real_contacts, solver,
+                    stadium, state, tilted, twist)
 
 DEPTH = 0.1 * R  # overlap of S6
 
@@ -153,12 +153,7 @@ def s16_near_miss(make, clock):
             "at 1 the contact reaches a centre line, beyond it the force reverses")
 def s17_fast_spin(make, clock):
     """S17. It hits a small disc in a narrow box. Its ends move by two cap radii a step."""
-    rough, half = material(), 1.2 * R
-    walls = [rcr.wall(axis, side * half, sense=-side, material=rough) for axis in "xy"
-             for side in (-1, 1)]
+    rough = material()
     rod = stadium(0.95 * R, 0.05 * R, (0.1 * R, 0), 0.3, material=rough)
     disc = stadium(0, 0.1 * R, (0, 0.7 * R), material=rough)
-    ids = make(*walls, rod, disc, gravity=(0, 0, 0))[4:]
-    state(ids[0]).angVel = (0, 0, 100.0)  # rad/s: 0.1 rad and two cap radii a step
-    clock.pass_(1.0)
-    return clock.overlap if abs(positions(ids)).max() < half else math.inf
+    return overlap_of_spinning(make, clock, rough, rod, disc)

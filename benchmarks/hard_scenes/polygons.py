@@ -6,8 +6,8 @@ import numpy as np
 import rcr
 
 from . import masonry
-from .stage import (D, R, X, deepest, farthest, hard_scene, material, on_floor, positions,
-                    stadium, state)
+from .stage import (D, R, X, deepest, farthest, hard_scene, material, on_floor,
+                    overlap_of_spinning, positions, stadium, state)
 
 SPAN = 20 * R  # radius of the centre line of arches
 STEEP = 100.0  # friction coefficient with which no joint slides
@@ -95,12 +95,7 @@ def s31_thin_plate(make, clock):
             "at 1 the contact reaches a centre, beyond it the force reverses")
 def s32_spinning_triangle(make, clock):
     """S32. A triangle turns by 0.1 rad a step between a disc and the walls of a narrow box."""
-    rough, half = material(), 1.2 * R
-    walls = [rcr.wall(axis, side * half, sense=-side, material=rough) for axis in "xy"
-             for side in (-1, 1)]
+    rough = material()
     triangle = rcr.regular_polygon((0.1 * R, 0), R, 3, angle=0.3, material=rough)
     disc = stadium(0, 0.1 * R, (0, 0.9 * R), material=rough)
-    ids = make(*walls, triangle, disc, gravity=(0, 0, 0))[4:]
-    state(ids[0]).angVel = (0, 0, 100.0)
-    clock.pass_(1.0)
-    return clock.overlap if abs(positions(ids)).max() < half else math.inf
+    return overlap_of_spinning(make, clock, rough, triangle, disc)

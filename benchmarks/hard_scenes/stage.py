@@ -182,6 +182,17 @@ def farthest(ids, clock, seconds):
     return clock.largest(seconds, lambda: np.linalg.norm(positions(ids) - start, axis=1).max())
 
 
+def overlap_of_spinning(make, clock, rough, body, disc):
+    """The deepest overlap of a body that turns by 0.1 rad a step in a narrow box with a disc."""
+    half = 1.2 * R
+    walls = [rcr.wall(axis, side * half, sense=-side, material=rough) for axis in "xy"
+             for side in (-1, 1)]
+    ids = make(*walls, body, disc, gravity=(0, 0, 0))[4:]
+    state(ids[0]).angVel = (0, 0, 100.0)
+    clock.pass_(1.0)
+    return clock.overlap if abs(positions(ids)).max() < half else math.inf
+
+
 class Clock:
     """Advances the scene, and records the energy gain and the largest overlap.
 

@@ -45,21 +45,8 @@ namespace {
 		return poses;
 	}
 
-	PlanarShape stadiumShape(const Stadium& s)
-	{
-		PlanarShape shape;
-		shape.kind       = PlanarShape::stadium;
-		shape.halfLength = s.halfLength, shape.rounding = s.capRadius;
-		return shape;
-	}
-
-	PlanarShape boxShape(const Vec2& half)
-	{
-		PlanarShape shape;
-		shape.kind = PlanarShape::box;
-		setCore(shape, { half, { -half.x, half.y }, -half, { half.x, -half.y } });
-		return shape;
-	}
+	PlanarShape shapeOf(const Stadium& s) { return stadiumShape(s.halfLength, s.capRadius); }
+	PlanarShape shapeOf(Vec2 halfExtent) { return boxShape(halfExtent); }
 
 	std::vector<Vec2> checkedCore(const Array& vertices, double rounding)
 	{
@@ -105,9 +92,9 @@ namespace {
 	/// Binds the manifolds of bodies of shape One and stadia; `names`: of both shapes and poses.
 	template <class One>
 	void bindOverlap(py::module_& m, const char* function, const std::array<const char*, 4>& names,
-	        PlanarShape (*shapeOf)(const One&), const char* text)
+	        const char* text)
 	{
-		const auto overlap = [names, shapeOf](const Array& one, const Array& pose1, const Array& two,
+		const auto overlap = [names](const Array& one, const Array& pose1, const Array& two,
 		                             const Array& pose2, double maxGap) {
 			const py::ssize_t n      = rowsOf(two);
 			const auto        shape1 = rowsFrom<One>(one, names[0], n);
@@ -116,7 +103,7 @@ namespace {
 			const auto        at2    = posesFrom(pose2, names[3], n);
 			return manifolds(n, [&](py::ssize_t i) {
 				return contactPoints(
-				        shapeOf(shape1[i]), at1[i], stadiumShape(shape2[i]), at2[i], maxGap);
+				        shapeOf(shape1[i]), at1[i], shapeOf(shape2[i]), at2[i], maxGap);
 			});
 		};
 		m.def(function, overlap, py::arg(names[0]), py::arg(names[1]), py::arg(names[2]),
@@ -167,10 +154,10 @@ void bindGeometry(py::module_& m)
 	        = "Manifolds of N pairs: dict of count (N,), type (N,) with 0 cc, 1 cs, 2 ss, 3\n"
 	          "obstacle, position and normal (N, 2, 2), gap (N, 2) [m]. Unused points are NaN. A\n"
 	          "stadium is (half length, cap radius), a pose (x, y, angle).";
-	bindOverlap<Stadium>(m, "overlap_stadiums", { "stadium1", "pose1", "stadium2", "pose2" },
-	        stadiumShape, manifold);
-	bindOverlap<Vec2>(m, "overlap_box", { "half_extent", "box_pose", "stadium", "pose" }, boxShape,
-	        manifold);
+	bindOverlap<Stadium>(
+	        m, "overlap_stadiums", { "stadium1", "pose1", "stadium2", "pose2" }, manifold);
+	bindOverlap<Vec2>(
+	        m, "overlap_box", { "half_extent", "box_pose", "stadium", "pose" }, manifold);
 	m.def("overlap_polygons", overlapPolygons, "vertices1"_a, "radius1"_a, "pose1"_a, "vertices2"_a,
 	        "radius2"_a, "pose2"_a, "max_gap"_a,
 	        "Manifolds of two rounded polygons at N poses (N, 3), as overlap_stadiums returns them.\n"

@@ -35,10 +35,7 @@ namespace {
 				if (!(cap[k] > 0 && half[k] >= 0 && finite(cap[k], half[k])))
 					refuse("grain ", k, ": radius ", cap[k], " and half_length ", half[k],
 					        "; expected radius > 0 and half_length ≥ 0 [m]");
-				PlanarShape shape;
-				shape.kind = half[k] > 0 ? PlanarShape::stadium : PlanarShape::disc;
-				shape.halfLength = half[k], shape.rounding = cap[k];
-				add(shape, at[k], turned({}, turn[k]), motion[k], mass[k]);
+				add(stadiumShape(half[k], cap[k]), at[k], turned({}, turn[k]), motion[k], mass[k]);
 			}
 			for (const auto& [axis, place, sense] : walls) {
 				if ((axis != "x" && axis != "y") || std::abs(sense) > 1)

@@ -102,6 +102,7 @@ void addObstacle(Rows& rows, const Body& body, double z)
 	const State&           state = *body.state;
 	const rcr::PlanarShape shape = plane::shapeOf(*body.shape, state, z);
 	const rcr::Vec2        at    = plane::toPlane(state.pos);
+	if (shape.grain()) return;
 	if (shape.kind == rcr::PlanarShape::wall)
 		rows.add({ body.id, 0, shape.axis }, { shape.axis ? at.y : at.x, 0, 0, 0, 0, 0, 0, 0 });
 	auto corners = rcr::coreVertices(shape, { at, plane::turnOf(shape, state).axis() });

@@ -169,7 +169,7 @@ TABLE = {
         ("floats-out-of-range", "(std::abs(value) > 1e-12 && std::abs(value) < 1e12)", "true"),
     ],
     "sweep/packed_problem.cpp": [
-        ("reload-keeps-the-overflow", "c.bias              = biasOf(c.point);", ""),
+        ("reload-keeps-the-overflow", "c.bias              = bias[c.point];", ""),
         ("spin-not-scaled-back", "v[record::spin] * inverseGyration_[i]", "v[record::spin]"),
     ],
     "sweep/lane/lane.hpp": [

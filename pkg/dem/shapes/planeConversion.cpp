@@ -48,12 +48,7 @@ rcr::PlanarShape shapeOf(const Shape& shape, const State& state, Real z)
 		planar.kind      = wall.axis < 2 ? Planar::wall : Planar::none;
 		planar.axis = std::int8_t(wall.axis), planar.sense = std::int8_t(wall.sense);
 	} else if (index == Box::getClassIndexStatic()) {
-		const rcr::Vec2 half = toPlane(static_cast<const Box&>(shape).extents);
-		planar.kind          = Planar::box;
-		if (half.x > 0 && half.y > 0)
-			setCore(planar, { half, { -half.x, half.y }, -half, { half.x, -half.y } });
-		else
-			setCore(planar, { -half, half }); // without thickness
+		planar = rcr::boxShape(toPlane(static_cast<const Box&>(shape).extents));
 	} else if (index == Facet::getClassIndexStatic()) {
 		planar = cut(static_cast<const Facet&>(shape), state, z);
 	}

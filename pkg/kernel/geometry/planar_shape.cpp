@@ -29,6 +29,25 @@ void setCore(PlanarShape& shape, const std::vector<Vec2>& vertices)
 	        ? Vec2 { way.x / shape.halfLength, way.y / shape.halfLength } : Vec2 { 1, 0 };
 }
 
+PlanarShape boxShape(Vec2 half)
+{
+	PlanarShape shape;
+	shape.kind = PlanarShape::box;
+	if (half.x > 0 && half.y > 0)
+		setCore(shape, { half, { -half.x, half.y }, -half, { half.x, -half.y } });
+	else
+		setCore(shape, { -half, half }); // without thickness
+	return shape;
+}
+
+PlanarShape stadiumShape(double halfLength, double rounding)
+{
+	PlanarShape shape;
+	shape.kind       = halfLength > 0 ? PlanarShape::stadium : PlanarShape::disc;
+	shape.halfLength = halfLength, shape.rounding = rounding;
+	return shape;
+}
+
 std::vector<Vec2> coreVertices(const PlanarShape& shape, const Pose& body)
 {
 	if (shape.kind == PlanarShape::none || shape.kind == PlanarShape::wall) return {};

@@ -57,6 +57,12 @@ PlanarMoments momentsOf(const PlanarShape&);
 /// Sets the core of a shape to these vertices in the frame of the body.
 void setCore(PlanarShape&, const std::vector<Vec2>& vertices);
 
+/// A box with these half widths ≥ 0 [m].
+PlanarShape boxShape(Vec2 half);
+
+/// A rounded-cap rectangle, or a disc of the radius `rounding` without a half length [m].
+PlanarShape stadiumShape(double halfLength, double rounding);
+
 /// Vertices of the core in the plane, counter-clockwise; none of a wall.
 std::vector<Vec2> coreVertices(const PlanarShape&, const Pose& body);
 

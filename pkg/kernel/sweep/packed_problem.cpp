@@ -240,10 +240,9 @@ template <class Visit> void PackedProblem::forEachPoint(const PackedPair& pair, 
 		        pair.slot % blockWidth);
 }
 
-void PackedProblem::reload(const ContactProblem& problem, const std::vector<double>* bias)
+void PackedProblem::reload(const ContactProblem& problem, const std::vector<double>& bias)
 {
 	const std::vector<PackedPair>& pairs = layout_.pairs();
-	const auto        biasOf = [&](int k) { return bias ? (*bias)[k] : problem.points[k].bias; };
 	std::atomic<bool> changed { false };
 	const auto        load = [&](double& here, double p) {
         if (here != p) changed.store(true, std::memory_order_relaxed);
@@ -253,7 +252,7 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 		forEachPoint(pairs[k], [&](int point, Column* columns, int lane) {
 			const LocalVector              p = initialImpulse(problem, point);
 			const NoLeverColumnsOf<double> at(columns);
-			at.bias()[lane] = biasOf(point);
+			at.bias()[lane] = bias[point];
 			load(at.pn()[lane], p.n);
 			at.oldPn()[lane] = p.n;
 			if (!hasFriction(pairs[k].model)) return;
@@ -267,7 +266,7 @@ void PackedProblem::reload(const ContactProblem& problem, const std::vector<doub
 	});
 	for (OverflowPoint& c : overflow_) {
 		const LocalVector p = initialImpulse(problem, c.point);
-		c.bias              = biasOf(c.point);
+		c.bias              = bias[c.point];
 		load(c.p.n, p.n);
 		load(c.p.t, p.t);
 		c.old = p;

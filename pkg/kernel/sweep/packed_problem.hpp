@@ -24,8 +24,8 @@ public:
 
 	/// Loads a problem and computes v = v_free + M⁻¹Jᵀp. `lanes` as in packedKernels.
 	void load(const ContactProblem&, int lanes, const Reductions&);
-	/// Loads the present biases and impulses of the loaded problem; `bias`: replaces its biases [m/s].
-	void reload(const ContactProblem&, const std::vector<double>* bias = nullptr);
+	/// Loads the present impulses of the loaded problem, and other biases [m/s].
+	void reload(const ContactProblem&, const std::vector<double>& bias);
 	/// Writes the impulses and the velocities recomputed from them.
 	void store(ContactProblem&);
 	/// Writes the velocities recomputed from the impulses.

@@ -29,7 +29,7 @@ void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bia
         std::vector<PlanarVector>& velocity, Vec2& stretchRate, Workspace& workspace)
 {
 	PackedProblem& packed = workspace.packed();
-	packed.reload(problem, &bias);
+	packed.reload(problem, bias);
 	packed.forEachIsland([&](PackedIsland&& island) {
 		Momentum momentum;
 		island.beginMixedPrecision();
