@@ -29,8 +29,8 @@ _SCENE |= dict.fromkeys(("elongated_hexagon", "from_outline", "polygon", "regula
 _SCENE |= dict(advance="_yade.advance", contact_network="_yade.scene_network",
                critical_time_step="_yade.time_step", half_step_start="_yade.time_step")
 _CLASSES = re.compile(
-    "(Bo1|Gl1|Ig2|Ip2|Law2)_.*|Rcr(Geom|FrictPhys)?|RoundedPolygon|CdPhys|ContactDynamics|"
-    "(Cell|Wall)Stress")
+    "(Bo1|Gl1|Ig2|Ip2|Law2)_.*|Rcr(Geom|FrictPhys)?|RoundedPolygon|(Capillary)?CdPhys|"
+    "ContactDynamics|(Cell|Wall)Stress")
 
 
 def __getattr__(name):

@@ -13,8 +13,8 @@ public:
 	~CdPhys() override;
 
 	/// The coefficients as one record, from and to the attributes.
-	rcr::ContactLaw law() const;
-	void            setLaw(const rcr::ContactLaw&);
+	virtual rcr::ContactLaw law() const;
+	void                    setLaw(const rcr::ContactLaw&);
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(CdPhys,FrictPhys,

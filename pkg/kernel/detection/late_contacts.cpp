@@ -109,10 +109,12 @@ namespace {
 		found.body2    = other;
 		found.shift    = contact ? contact->shift : step.nearestShift(one, two);
 		found.known    = contact;
+		const double near = largestGap(step, one, detectionReach(step, id), two,
+		        detectionReach(step, other), found.shift);
+		// a known contact keeps the points that its pull reaches
 		found.manifold = contactPoints(one.shape, one.pose(), two.shape,
 		        shifted(two.pose(), found.shift),
-		        largestGap(step, one, detectionReach(step, id), two, detectionReach(step, other),
-		                found.shift));
+		        contact ? std::max(near, contact->law.adhesionRange) : near);
 		if (isKnown(step, contact, found.manifold, exact)) return;
 		// keeps a contact beyond a smaller reach
 		if (exact && found.manifold.count == 0) return;

@@ -11,6 +11,7 @@ struct ContactLaw {
 	double adhesion    = 0; // f_a, pull of a point that touches [N], per unit depth
 	double rollingFriction
 	        = 0; // µ_r: a contact of one point bears the moment µ_r (R₁ + R₂) f_n [-]
+	double adhesionRange = 0; // largest gap at which f_a acts [m]; the slop if that is more
 };
 
 } // namespace rcr

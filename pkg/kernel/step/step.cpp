@@ -48,7 +48,8 @@ ContactPoint Step::contactPoint(const StepContact& contact, const ManifoldPoint&
 	c.drift    = contact.drift;
 	c.shift    = problem.stretches() ? contact.shift : Vec2 {};
 	c.bias     = overdamped || at.gap > 0 ? at.gap / dt : 0;
-	if (at.gap <= contact.slop()) c.pull = dt * contact.law.adhesion;
+	if (at.gap <= std::max(contact.slop(), contact.law.adhesionRange))
+		c.pull = dt * contact.law.adhesion;
 	if (contact.count == 1 && contact.law.rollingFriction > 0)
 		c.rollingFriction = contact.law.rollingFriction, c.rollingLength = rollingLength(contact);
 	if (overdamped || !(contact.law.restitution > 0)) return c;

@@ -247,8 +247,8 @@ struct Step {
 		return v + PlanarVector { change.x, change.y, 0 };
 	}
 
-	/// A detected point as a point of the problem. A pull acts if the gap is within the slop. Rolling
-	/// resistance acts at contacts of one point. The bias of the law:
+	/// A detected point as a point of the problem. A pull acts if the gap is within the slop or the
+	/// range of the pull. Rolling resistance acts at contacts of one point. The bias of the law:
 	///
 	///   b_n = e u_n⁻  the gap closes within the step and e > 0: Newton's rule with restitution e
 	///   b_n = g/dt    open gap, and any gap of an overdamped step

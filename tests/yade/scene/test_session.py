@@ -21,9 +21,10 @@ OURS = {
                      for other in ("Wall", "Box", "Facet", "Sphere")}
     | {"Ig2_Planar_RcrGeom", "Ig2_Rcr_Rcr_RcrGeom", "Ig2_Rcr_RoundedPolygon_RcrGeom",
        "Ig2_RoundedPolygon_RoundedPolygon_RcrGeom"},
-    "IPhys": {"CdPhys", "RcrFrictPhys"},
+    "IPhys": {"CapillaryCdPhys", "CdPhys", "RcrFrictPhys"},
     "IPhysFunctor": {"Ip2_FrictMat_FrictMat_CdPhys"},
-    "LawFunctor": {"Law2_RcrGeom_CdPhys_SignoriniCoulomb", "Law2_RcrGeom_FrictPhys_CundallStrack"},
+    "LawFunctor": {"Law2_RcrGeom_CdPhys_Capillary", "Law2_RcrGeom_CdPhys_SignoriniCoulomb",
+                   "Law2_RcrGeom_FrictPhys_CundallStrack"},
     "GlobalEngine": {"CellStress", "ContactDynamics", "WallStress"},
 }
 if hasattr(rcr, "Gl1_Rcr"):  # built with OpenGL
