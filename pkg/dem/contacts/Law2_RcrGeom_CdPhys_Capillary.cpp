@@ -68,7 +68,7 @@ public:
 		Law2_RcrGeom_CdPhys_Capillary,Law2_RcrGeom_CdPhys_SignoriniCoulomb,
 		"Rigid contacts with liquid bridges: :yref:`CdPhys.adhesion` is the capillary force of "
 		"each point. A bridge forms on contact. It pulls with this force at all points whose gap "
-		"is at most the rupture length, and breaks when no gap is.",
+		"is at most the rupture length, and breaks when all gaps exceed this length.",
 		((Real,rupture,0,Attr::triggerPostLoad,"Largest gap of a bridge [m]."))
 	);
 	// clang-format on
@@ -76,12 +76,12 @@ public:
 private:
 	void detectAtAnyDistance(const Interaction& contact)
 	{
-		const Body::id_t   id1 = contact.getId1(), id2 = contact.getId2();
-		const Body &       one = *Body::byId(id1, scene), &two = *Body::byId(id2, scene);
+		const Body&        one = *Body::byId(contact.getId1(), scene);
+		const Body&        two = *Body::byId(contact.getId2(), scene);
 		Ig2_Planar_RcrGeom detection;
 		detection.scene = scene;
 		detection.go(one.shape, two.shape, *one.state, *two.state, Vector3r::Zero(), true,
-		        scene->interactions->find(id1, id2));
+		        (*scene->interactions)[contact.linIx]);
 	}
 };
 REGISTER_SERIALIZABLE(Law2_RcrGeom_CdPhys_Capillary);

@@ -18,7 +18,7 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrGeom,GenericSpheresContact,
 		"Contact points of two bodies in the plane (shadow overlap): 0, 1 or 2. Normals point from body 1 to body 2. "
 		":yref:`normal<GenericSpheresContact.normal>` and :yref:`contactPoint<GenericSpheresContact.contactPoint>` belong to the deepest point.",
-		((int,points,0,Attr::readonly,"Number of contact points: 0 (about to be erased), 1 or 2."))
+		((int,points,0,Attr::readonly,"Number of contact points: 0 (no longer detected), 1 or 2."))
 		((int,type,0,Attr::readonly,"0 cap-cap, 1 cap-side, 2 side-side, 3 obstacle (wall, box, facet). A corner of a polygon is a cap. Contacts with fixed grains are 0 to 2."))
 		((Vector2r,gap,Vector2r::Zero(),Attr::readonly,"Gap of each point [m]; negative = overlap."))
 		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point along the tangent, from the middle between the centres, at an obstacle from the centre of the grain [m]."))

@@ -13,7 +13,7 @@ O = Omega()
 
 
 def contact_network(walls=None, volume=None, **attributes):
-    """Return the Network of the last step, under any law: one row per pair in compression.
+    """Return the Network of the last step, under any law: one row per pair that bears a force.
 
     Grains are the free and clumped bodies of the shape `Rcr`, `Sphere` or `RoundedPolygon`.
     Obstacles are walls, boxes, facets and grains with prescribed motion. An obstacle is always body
