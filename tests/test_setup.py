@@ -110,7 +110,7 @@ class Machine:
             ["bash", "-c", f". {self.repo}/scripts/lib/environment.sh\n{code}"],
             env={"PATH": str(self.bin), "HOME": str(self.path),
                  "XDG_CACHE_HOME": str(self.path / "cache"),
-                 "YADE_RCR_ETC": str(self.etc), "LC_ALL": "C.UTF-8", **environment},
+                 "YADE_RCR_ETC": str(self.etc), "YADE_RCR_USR": str(self.path), "LC_ALL": "C.UTF-8", **environment},
             cwd=self.path, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
             text=True, start_new_session=True,
             # a process in the background ignores SIGINT, and so would bash
@@ -269,6 +269,16 @@ def test_native_takes_the_headers_of_the_installed_yade_once(machine, version):
     machine.calls.write_text("")
     assert machine.succeeds("ready") == ""
     assert not machine.called("apt-get"), "no network once it is set up"
+
+
+def test_root_installs_nothing_if_usr_is_read_only(machine):
+    """So it is in a root file system, whose /var is that of the machine."""
+    machine.user("root", 0)
+    machine.offers("2025.2.0-1")
+    machine.archive("2025.2.0")
+    machine.command("dpkg-query", "exit 1")
+    assert "mmdebstrap bubblewrap" in machine.refuses(YADE_RCR_USR=str(machine.path / "none"))
+    assert not machine.called("apt-get")
 
 
 def test_native_keeps_the_headers_when_a_package_is_reinstalled(machine):

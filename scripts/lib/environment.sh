@@ -19,6 +19,7 @@ repo=$(cd "$lib/../.." && pwd -P)
 cache=${XDG_CACHE_HOME:-${HOME:?set HOME or XDG_CACHE_HOME}/.cache}/yade-rcr
 log=$cache/log
 etc=${YADE_RCR_ETC:-/etc} # tests set another directory
+usr=${YADE_RCR_USR:-/usr} # as well
 
 say() { echo "yade-rcr: $*" >&2; }
 
@@ -26,6 +27,10 @@ fail() {
     say "$*"
     exit 1
 }
+
+# may_install: as root with a writable /usr. In a root file system with the machine's /var, apt-get
+# would change the machine's list of packages.
+may_install() { [ "$(id -u)" = 0 ] && [ -w "$usr" ]; }
 
 make_cache() {
     mkdir -p "$1" ||

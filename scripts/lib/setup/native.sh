@@ -42,7 +42,7 @@ native_ready() {
 native_possible() {
     native_installed && return
     (. "$etc/os-release" && [[ $ID = debian || $ID = ubuntu ]]) 2>/dev/null || return 1
-    if [ "$(id -u)" = 0 ]; then
+    if may_install; then
         native_offer >/dev/null || { apt-get update >>"$log" 2>&1 && native_offer >/dev/null; }
         return
     fi

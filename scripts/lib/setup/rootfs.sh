@@ -24,7 +24,7 @@ rootfs_possible() {
         command -v "$tool" >/dev/null || missing="$missing $tool"
     done
     missing=$(echo "$missing" | sed 's/bwrap/bubblewrap/; s/newuidmap/uidmap/')
-    if [ -n "$missing" ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+    if [ -n "$missing" ] && may_install && command -v apt-get >/dev/null; then
         local start=$SECONDS
         say "installing$missing with apt-get (up to 1 min) …"
         { apt-get update; apt-get install -y --no-install-recommends $missing; } >>"$log" 2>&1 ||
