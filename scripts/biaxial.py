@@ -127,10 +127,9 @@ class Checkpoints:
         """Note the progress and write a checkpoint, if due; end the script if the user asked."""
         if time.monotonic() > self.noted + NOTE_SECONDS:
             self.noted, test = time.monotonic(), self.test
-            if test.progress["phase"] == "shear":
-                progress.write(self.folder, test.strain, share_done(test, self.end))
-            else:
-                progress.write(self.folder)
+            is_sheared = test.progress["phase"] == "shear"
+            sheared = (test.strain, share_done(test, self.end)) if is_sheared else ()
+            progress.write(self.folder, test.wall_seconds, *sheared)
         if self.stop.asked or time.monotonic() > self.next:
             self.save()
         if self.stop.asked:

@@ -29,7 +29,6 @@ class Test:
     def __init__(self, name, folder, strain):
         self.name, self.folder, self.strain = name, folder, strain
         self.bar = self.stage = None
-        self.start = time.monotonic()
         self.is_complete = self.summary.exists()
 
     @property
@@ -46,9 +45,7 @@ class Test:
         if now is None:
             self._check_end()
             return
-        strain, share = now
-        if self.stage is None:
-            self.start = time.monotonic()
+        self.seconds, strain, share = now
         stage = "shear" if share else "compaction"
         if stage != self.stage:
             self._begin(stage, share)
@@ -79,15 +76,13 @@ class Test:
         if self.is_complete or not (was_seen or self.summary.exists()):
             return
         self.close()
-        self.stage, seconds = None, time.monotonic() - self.start
-        after = f" after {seconds:.0f} s" if was_seen else ""
-        self.is_complete = self.summary.exists()
+        self.stage, self.is_complete = None, self.summary.exists()
         if self.is_complete:
             result = json.loads(self.summary.read_text())
             ratio = "unknown" if result["sin_phi"] is None else f"{result['sin_phi']:.3f}"
-            show(f"{self.name}: complete{after}, q/p = {ratio}")
+            show(f"{self.name}: complete after {result['wall_seconds']:.0f} s, q/p = {ratio}")
         else:
-            show(f"{self.name}: stopped{after}")
+            show(f"{self.name}: stopped after {self.seconds:.0f} s")
 
     def close(self):
         if self.bar is not None:

@@ -51,6 +51,7 @@ class Biaxial:
     """
 
     def __init__(self, parameters, progress, rows):
+        self.start = time.monotonic() - progress["wall_seconds"]
         self.parameters, self.progress, self.rows = parameters, progress, rows
         self.isotropic = None
         count = len(O.bodies)
@@ -166,11 +167,14 @@ class Biaxial:
 
     def step(self, count, times=1):
         """Make `times` intervals of `count` steps; set `records` and `mean_stresses`."""
-        start = time.perf_counter()
         make_records(self, count, times)
         last = self.records[-1]
         self.mean_stresses = np.array([last["stress_x"], last["stress_y"]])
-        self.progress["wall_seconds"] += time.perf_counter() - start
+
+    @property
+    def wall_seconds(self):
+        """Wall time of all sessions [s]: earlier ones up to their checkpoint, this one up to now."""
+        return time.monotonic() - self.start
 
     @property
     def run(self):
@@ -190,12 +194,12 @@ class Biaxial:
         the strain at which the test failed.
         """
         failed = max(self.strain, self.progress["failed_strain"])
-        divisor, seconds = self.progress["divisor"] + 1, self.progress["wall_seconds"]
+        divisor, start = self.progress["divisor"] + 1, self.start
         path = checkpoint.states(folder, self.strain)[-checkpoint.KEPT_STATES:][0]
         threads = self.parameters["threads"]
         self.__init__(*checkpoint.load(path))
-        self.parameters["threads"] = self.solver.threads = threads
-        self.progress.update(divisor=divisor, failed_strain=failed, wall_seconds=seconds,
+        self.start, self.parameters["threads"], self.solver.threads = start, threads, threads
+        self.progress.update(divisor=divisor, failed_strain=failed,
                              repeated=self.progress["repeated"] + 1)
 
     summary, save, shear = summarize, checkpoint.save, shearing.shear

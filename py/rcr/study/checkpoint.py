@@ -26,6 +26,7 @@ NETWORKS = "network-*.h5"
 
 def save(test, folder, state=False):
     """Write history.csv and a checkpoint, also as one of the last states if `state` is set."""
+    test.progress["wall_seconds"] = test.wall_seconds
     data = dict(parameters=test.parameters, progress=test.progress, rows=test.rows)
     O.tags["biaxial"] = json.dumps(data, separators=(",", ":"))
     files.write(os.path.join(folder, "history.csv"), files.table(HISTORY_COLUMNS, test.rows))

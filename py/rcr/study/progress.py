@@ -12,22 +12,21 @@ CHECKPOINT = "checkpoint.yade.gz"  # from which a stopped test continues
 FILE = ".progress"
 
 
-def write(folder, strain=0.0, share=0.0):
-    """Write the strain and the share of the shear's steps that are made; 0 during the compaction.
+def write(folder, seconds, strain=0.0, share=0.0):
+    """Write wall time, strain and share of the shear's steps; both are 0 during the compaction.
 
     A full disk is no error, since the progress is no result.
     """
     path = pathlib.Path(folder, FILE)
     with contextlib.suppress(OSError):  # unlike files.write, it does not wait for the disk
-        path.with_suffix(".new").write_text(f"{strain:.6f} {share:.6f}\n")
+        path.with_suffix(".new").write_text(f"{seconds:.1f} {strain:.6f} {share:.6f}\n")
         path.with_suffix(".new").replace(path)
 
 
 def read(folder):
-    """Return the strain and the share of the shear's steps, or None if the test does not run."""
+    """Return wall time [s], strain and share of the steps, or None if the test does not run."""
     try:
-        strain, share = pathlib.Path(folder, FILE).read_text().split()
-        return float(strain), float(share)
+        return tuple(map(float, pathlib.Path(folder, FILE).read_text().split()))
     except FileNotFoundError:
         return None
 

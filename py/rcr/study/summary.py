@@ -100,7 +100,7 @@ def _work(test):
         yielded_steps=yielded, repeated_parts=progress["repeated"],
         missed_fraction=missed / max(1, O.iter - progress["first_step"]),
         missed_mean=progress["missed_sum"] / max(1, missed), missed_max=progress["missed_max"],
-        tolerance=test.parameters["tolerance"], run=test.run, wall_seconds=progress["wall_seconds"],
+        tolerance=test.parameters["tolerance"], run=test.run, wall_seconds=test.wall_seconds,
         peak_memory_bytes=memory("VmHWM"),
         threads=test.solver.threads or O.numThreads, version=rcr.__version__)
 

@@ -83,10 +83,28 @@ def test_a_test_between_two_updates_has_its_line(tmp_path, capsys, monkeypatch):
 
     test = Test("short", tmp_path, 0.1)
     test.update()
-    (tmp_path / "summary.json").write_text('{"sin_phi": 0.25}')
+    (tmp_path / "summary.json").write_text('{"sin_phi": 0.25, "wall_seconds": 6.7}')
     for _ in range(2):
         test.update()
-    assert capsys.readouterr().err == "campaign.py: short: complete, q/p = 0.250\n"
+    assert capsys.readouterr().err == "campaign.py: short: complete after 7 s, q/p = 0.250\n"
+
+
+@needs_environment
+@pytest.mark.parametrize("end", ["complete", "stopped"])
+def test_the_time_of_a_resumed_test_is_that_of_all_its_sessions(end, tmp_path, capsys, monkeypatch):
+    monkeypatch.syspath_prepend(f"{SCRIPTS}/lib")
+    from campaign_progress import Test
+
+    test = Test("resumed", tmp_path, 0.1)
+    progress.write(tmp_path, 4000.2, 0.05, 0.5)
+    test.update()
+    if end == "complete":
+        (tmp_path / "summary.json").write_text('{"sin_phi": null, "wall_seconds": 4000.4}')
+    progress.remove(tmp_path)
+    test.update()
+    line = capsys.readouterr().err.splitlines()[-1]
+    result = ", q/p = unknown" if end == "complete" else ""
+    assert line.endswith(f"campaign.py: resumed: {end} after 4000 s{result}")
 
 
 @needs_environment
@@ -103,10 +121,10 @@ def test_bars_on_a_terminal_of_any_width(tmp_path, monkeypatch, wide):
         tests = [Test(name, tmp_path / name, 0.2) for name in ("first", "last")]
         for test in tests:
             test.folder.mkdir()
-            progress.write(test.folder, 0.1, 0.4)
+            progress.write(test.folder, 2.0, 0.1, 0.4)
             test.update()
         for test in tests:
-            (test.folder / "summary.json").write_text('{"sin_phi": 0.25}')
+            (test.folder / "summary.json").write_text('{"sin_phi": 0.25, "wall_seconds": 6.7}')
             progress.remove(test.folder)
             test.update()
         shown = b""
