@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Signals to the scripts of a clone: results are written, exit codes and resumed results are right.
 
-    python3 tests/endurance/signals.py FOLDER
+    python3 tests/endurance/signals.py FOLDER [YADE]
 
 It needs Python alone. Outside the environment of the project each command enters it, see
 scripts/lib/environment.sh; `scripts/check signals` does this. tests/yade/run/test_signals.py calls
-the functions inside.
+the functions inside. With YADE, a command such as `yade` with the Debian package, only scenes run;
+scripts/lib/try-deb does this.
 """
 
 import contextlib
@@ -57,11 +58,20 @@ def wait_until(condition, process=None):
         time.sleep(0.01)
 
 
+def start(command, **settings):
+    """Start a command that does not ignore SIGHUP, even if nohup runs this process."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    try:
+        return subprocess.Popen(command, **settings)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
 def started(folder, command, ready, **settings):
     """Start a command in a folder; return its process once the file `ready` exists there."""
     settings = dict(stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                     text=True) | settings
-    process = subprocess.Popen(list(map(str, command)), cwd=folder, **settings)
+    process = start(list(map(str, command)), cwd=folder, **settings)
     wait_until((folder / ready).exists, process)
     return process
 
@@ -115,7 +125,7 @@ def background_shell_stops(folder, number):
     """A shell without job control starts the script with SIGINT ignored."""
     (folder / "scene.py").write_text(ADVANCE)
     words = shlex.join([*YADE, "scene.py"])
-    shell = subprocess.Popen(["sh", "-c", f"{words} & echo $! >pid; wait $!; echo $? >code"],
+    shell = start(["sh", "-c", f"{words} & echo $! >pid; wait $!; echo $? >code"],
                              cwd=folder, start_new_session=True, stdin=subprocess.DEVNULL,
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     wait_until((folder / "ready").exists, shell)
@@ -139,7 +149,7 @@ def terminal_stops(folder, character):
     (folder / "scene.py").write_text(ADVANCE)
     ours, theirs = os.openpty()
     os.set_blocking(ours, False)
-    process = subprocess.Popen(["setsid", "--ctty", *YADE, "scene.py"], cwd=folder, stdin=theirs,
+    process = start(["setsid", "--ctty", *YADE, "scene.py"], cwd=folder, stdin=theirs,
                                stdout=theirs, stderr=theirs)
     os.close(theirs)
 
@@ -243,8 +253,12 @@ def scene_cases():
 
 def main():
     folder = pathlib.Path(sys.argv[1]).resolve()
-    cases = dict(scene_cases(), biaxial=lambda at: biaxial_resumes(at, bytes_of),
-                 campaign=lambda at: campaign_resumes(at, bytes_of))
+    cases = dict(scene_cases())
+    if sys.argv[2:]:
+        YADE[0] = sys.argv[2]
+    else:
+        cases.update(biaxial=lambda at: biaxial_resumes(at, bytes_of),
+                     campaign=lambda at: campaign_resumes(at, bytes_of))
     failed = []
     for name, case in cases.items():
         at = folder / name.replace(" ", "-")
