@@ -101,6 +101,17 @@ def test_table_and_report_are_complete(written):
     assert base64.b64decode(image).startswith(b"\x89PNG")
 
 
+def test_text_of_the_first_figures_is_legible(written, result):
+    """Columns have 270 CSS pixels at a width of 1280: legends of 7 pt take at least 10 of them."""
+    first, _ = (written[0] / "report.html").read_text().split("<h2>Paper against measured</h2>")
+    images = re.findall("alt='(.*?)' src='data:image/png;base64,([^']+)", first)
+    widths = {key: int.from_bytes(base64.b64decode(image)[16:20], "big") for key, image in images}
+    assert widths.keys() == {"O1", "O3", "O6", "O15"}
+    assert all(270 * 7 / (width / 200 * 72) >= 10 for key, width in widths.items() if key != "O6")
+    assert "a_c" not in first
+    assert not report.draw("O3", result, PAPER, small=True).axes[0].child_axes  # no inset
+
+
 def test_the_first_screen_says_what_was_done_and_what_came_out(written):
     """Five sentences and four figures stand before the table; untested statements are folded."""
     page = (written[0] / "report.html").read_text()
@@ -158,7 +169,7 @@ def with_approach(run, approach):
 @pytest.mark.parametrize("from_strain, approach, drifts, states, says", [
     (0.2, 0.1, [(0.1, 0.05), (-0.1, 0.06)], ["reached", "reached"], "is reached at η = 0 and 0.5"),
     (0.2, 0.1, [(0.1, 0.05), (-0.13, 0.06)], ["reached", "moves"],
-     "is not reached at η = 0.5, where the anisotropy a_c of the contacts still changes, by "
+     "is not reached at η = 0.5, where the anisotropy a<sub>c</sub> of the contacts still changes, by "
      "-0.13 ± 0.06"),
     (0.11, 0.1, [(0, 0.1), (0, 0.1)], ["reached", "reached"], "is reached"),
     (0.1, 0.1, [(0, 0.1), (0, 0.1)], ["moves", "moves"],

@@ -32,11 +32,13 @@ def force_distribution(force, edges, suffix):
 
 
 def _plot_forces(value, ax, suffix, exponent, place, **axes):
-    """Draw P(f), with an exponent against η inset; return the inset."""
+    """Draw P(f); at a place, if given, inset an exponent against η, and return the inset."""
     name = f"f_{suffix}"
     bare = name if suffix == "n" else f"|{name}|"
     draw_points(value, name, "pdf", ax, least=MIN_DENSITY, ms=2.5)
     ax.set(xlabel=rf"${bare}/\langle {bare}\rangle$", ylabel=rf"$P({name})$", yscale="log", **axes)
+    if place is None:
+        return None
     inset = ax.inset_axes(place)
     draw_by_eta(value, f"{exponent}_{suffix}", inset, ms=2, elinewidth=0.6)
     inset.set_ylabel(rf"$\{exponent}_{suffix}$", labelpad=1, fontsize=8)
@@ -45,10 +47,10 @@ def _plot_forces(value, ax, suffix, exponent, place, **axes):
     return inset
 
 
-def plot_force_tail(value, ax, suffix="n"):
-    """Draw P(f) in log-linear scales, with α(η) inset."""
+def plot_force_tail(value, ax, suffix="n", place=(0.57, 0.6, 0.4, 0.37)):
+    """Draw P(f) in log-linear scales, with α(η) inset at a place, if given."""
     limits = dict(xlim=(0, 10), ylim=(MIN_DENSITY, 30))
-    _plot_forces(value, ax, suffix, "alpha", (0.57, 0.6, 0.4, 0.37), **limits)
+    _plot_forces(value, ax, suffix, "alpha", place, **limits)
     return ax
 
 
@@ -66,7 +68,7 @@ register("O3", "Probability density of the normal forces between grains over the
          "the weak forces inset; crosses: β_n fitted from a tenth of the mean on.",
          lambda e, grids: force_distribution(e.fn, grids.force, "n")
          | dict(weak_fraction=np.mean(e.fn < 1)), dict(f_n="force"),
-         figure=plain(plot_force_tail, plot_force_power), small=plain(plot_force_tail))
+         figure=plain(plot_force_tail, plot_force_power), small=plain(partial(plot_force_tail, place=None)))
 register("O4", "The same of the sizes of the tangential forces.",
          lambda e, grids: force_distribution(np.abs(e.ft), grids.force, "t"), dict(f_t="force"),
          figure=plain(partial(plot_force_tail, suffix="t"), partial(plot_force_power, suffix="t")))

@@ -19,6 +19,7 @@ MADE = ["table.md", *(f"{key}{rest}" for key in OBSERVABLES for rest in (".p[nd]
 _RULE = ("A value agrees within its tolerance or two standard errors; a trend must exceed two "
          "standard errors. The small print under each statement is its criterion; measured "
          "values have their elongation η in brackets.")
+_FIRST_SIZE = 0.72  # of a figure of the first screen, over that of its page: legible text
 HEADER = "", "paper", "agrees if", "measured", "error", "verdict"
 _TITLES = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
@@ -99,6 +100,7 @@ def _first_figures(runs, analysis, paper):
             figure = axes.figure
         else:
             figure = draw(key, analysis, paper, small=True)
+            figure.set_size_inches(_FIRST_SIZE * figure.get_size_inches())
         parts.append(f"<figure><a href='#{key}'>{html_page.drawn(figure, key)}</a><figcaption>"
                      f"{text}</figcaption></figure>")
     return f"<div class='four'>{''.join(parts)}</div>"

@@ -98,7 +98,7 @@ def _critical(runs, analysis):
     if etas[MOVES]:
         rows = [f"{change:+.2f} ± {error:.2f}" for state, change, error in zip(
             states.values(), value["a_c_drift"], value["a_c_drift_error"]) if state == MOVES]
-        parts.append(f"is not reached at {etas[MOVES]}, where the anisotropy a_c of the "
+        parts.append(f"is not reached at {etas[MOVES]}, where the anisotropy a<sub>c</sub> of the "
                      f"contacts still changes, by {' and '.join(rows)}")
     if etas[UNKNOWN]:
         parts.append(f"is unknown at {etas[UNKNOWN]}, for want of three networks of a test")
@@ -190,9 +190,9 @@ def _drifts(names, analysis):
     columns = zip(names, value["a_c_drift"], value["a_c_drift_error"])
     rows = [row for row in columns if np.isfinite(row[1])]
     if not rows:
-        return "The change of a_c over the strain is unknown: there are too few networks."
+        return "The change of a<sub>c</sub> over the strain is unknown: there are too few networks."
     text = "; ".join(f"{name}: {change:+.2f} ± {error:.2f}" for name, change, error in rows)
-    return f"Change of a_c over these strains: {text}."
+    return f"Change of a<sub>c</sub> over these strains: {text}."
 
 
 def _boxes(runs):
