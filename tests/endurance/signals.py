@@ -191,6 +191,7 @@ def biaxial_resumes(folder, contents):
         code, errors = ended(process)
         assert code == 128 + number, f"{code}: {errors}"
         assert errors.splitlines()[-1].startswith("biaxial.py: stopped at "), errors
+        assert "Traceback" not in errors, errors
         assert (folder / "out" / "checkpoint.yade.gz").exists()
     subprocess.run([*map(str, command), "out", "--resume"], cwd=folder, check=True,
                    capture_output=True)

@@ -104,7 +104,7 @@ def test_numbers_of_the_table_are_readable(written):
 def test_what_is_unknown_is_said(written, tmp_path):
     page = (written[0] / "report.html").read_text()
     assert re.search(r"<th>I_M</th><td>unknown</td>", page)
-    few = bare(contacts=5)
+    few = bare(particles_=10, contacts=5)
     few.contacts["force"] = 2.0 * few.contacts["normal"]  # equal forces without a tangential part
     few.save(tmp_path / "few.h5")
     network_script(tmp_path / "few.h5", "--out", tmp_path / "out")
@@ -115,12 +115,15 @@ def test_what_is_unknown_is_said(written, tmp_path):
         "tangential_force"] is None
 
 
-def test_shear_tests_and_other_networks_do_not_mix(files, tmp_path):
-    test = write_run(tmp_path / "test", 0.5, particles_=50, contacts=200)
+def test_shear_tests_and_other_networks_do_not_mix(tmp_path):
+    test, files = write_run(tmp_path / "test", 0.5, particles_=50, contacts=200), tmp_path / "heap"
+    files.mkdir()
+    for k in (0, 1):
+        bare(particles_=50, contacts=100, seed=k).save(files / f"network-{k}.h5")
     line = complaint(network_script(test, files, "--out", tmp_path / "out", code=1))
     assert "strain, eta, friction, volume" in line and "--any-scene" in line
     done = network_script(test, files, "--any-scene", "--out", tmp_path / "out")
-    assert "6 networks, 4800 contacts" in done.stdout
+    assert "6 networks, 1000 contacts" in done.stdout
     line = complaint(network_script(files, "--from-strain", "0.1", "--out", tmp_path / "o", code=1))
     assert "--from-strain: expected shear tests" in line
 

@@ -36,6 +36,14 @@ def registered():
     registry.OBSERVABLES.update(before)
 
 
+def other_paper():
+    paper = Paper(about="Other.", statements=dict(O3="weak contacts are half"), maps={}, first=[],
+                  averages=0.25)
+    paper.claim("O3", "half of the contacts are weak", "within 0.01 at η = 0.5", etas=0.5)(
+        lambda v: (abs(v["weak_fraction"] - 0.5) <= 0.01, f"{v['weak_fraction']:.2f}", ""))
+    return paper
+
+
 def test_the_observable_of_the_page_is_in_the_report(runs, registered, tmp_path):
     """Forces are a mixture of exponentials: (1 + 0.3 cos)² has the mean 1.045, so 1/2.09."""
     text = (ROOT / "docs" / "extending.md").read_text()
@@ -43,12 +51,12 @@ def test_the_observable_of_the_page_is_in_the_report(runs, registered, tmp_path)
                if "register(" in code]
     assert len(code.splitlines()) <= 30
     exec(code, {})
-    table = report.write(runs, tmp_path / "out")
+    table = report.write(runs, tmp_path / "out", paper=other_paper())
     entry = json.loads((tmp_path / "out" / "analysis.json").read_text())["participation"]
     assert entry["value"]["participation"] == pytest.approx([0.5 / 1.045] * 2, abs=0.05)
     assert np.shape(entry["value"]["participation_error"]) == (2,) and entry["paper"] == ""
     (row,) = [row for row in table if row.observable == "participation"]
-    assert row.verdict == AGREES and row == table[-1]
+    assert row.verdict == AGREES and row == table[-1] != table[0]
     page = (tmp_path / "out" / "report.html").read_text()
     (figure,) = re.findall(r"<figure id='participation'>(.*?)</figure>", page)
     assert "<img" in figure and "Paper:" not in figure
@@ -67,11 +75,7 @@ def test_axes_are_bins_or_values(runs, registered):
 
 def test_a_second_paper_is_a_report_of_its_own(runs, tmp_path):
     """It has its statements, and those observables alone that it or the sentences mention."""
-    paper = Paper(about="Other.", statements=dict(O3="weak contacts are half"), maps={}, first=[],
-                  averages=0.25)
-    paper.claim("O3", "half of the contacts are weak", "within 0.01 at η = 0.5", etas=0.5)(
-        lambda v: (abs(v["weak_fraction"] - 0.5) <= 0.01, f"{v['weak_fraction']:.2f}", ""))
-    (row,) = report.write(runs, tmp_path / "out", paper=paper)
+    (row,) = report.write(runs, tmp_path / "out", paper=other_paper())
     assert row.observable == "O3" and row.verdict == DIFFERS
     found = json.loads((tmp_path / "out" / "analysis.json").read_text())
     assert list(found) == ["O3", "O1", "O15"] and found["O1"]["paper"] == ""

@@ -141,7 +141,9 @@ def test_bars_on_a_terminal_of_any_width(tmp_path, monkeypatch, wide):
 @needs_snakemake
 def test_a_terminal_shows_each_test_that_runs(tmp_path):
     """Snakemake prints nothing between the bars."""
-    command = shlex.join([CAMPAIGN, *SMALL, "--particles", "300", "--out", str(tmp_path / "out")])
+    few_figures = ["--paper", "cegeo_2012"]
+    command = shlex.join([CAMPAIGN, *SMALL, "--particles", "300", *few_figures, "--out",
+                          str(tmp_path / "out")])
     shown = ended("script", "-qec", f"stty cols 90; {command}", "/dev/null").stdout
     name = "η = 0.5, seed 2"
     assert f"{name}, compaction … 00:0" in shown and "figures … 00:0" in shown
@@ -275,7 +277,7 @@ def test_the_clone_may_have_spaces_in_its_path(tmp_path):
 def test_the_report_is_that_of_the_last_campaign(tmp_path):
     """Snakemake does not know a copied folder, nor what options after -- have run."""
     first, copy = tmp_path / "first", tmp_path / "copy"
-    small = [*SMALL, "--strain", "0.004", "--networks", "2"]
+    small = [*SMALL, "--strain", "0.004", "--networks", "2", "--paper", "cegeo_2012"]  # few figures
     campaign(first, *small, "--seeds", "2,3")
     shutil.copytree(first, copy, ignore=shutil.ignore_patterns(".snakemake"))
     assert "report.html" not in campaign(first, *small, "--", "-np").stdout
