@@ -31,7 +31,7 @@ class Packing:
 
     @property
     def inverse_mass(self):
-        """(N + 4, 3) along x, along y, about z; the right wall moves along x only."""
+        """(N + 4, 3) along x, along y, about z; the side walls move along x only."""
         inverse = np.divide(1, self.mass, out=np.zeros(len(self.mass)), where=self.mass > 0)
         result = np.column_stack([inverse, inverse, np.append(1 / self.inertia, np.zeros(4))])
         result[self.grains :, 1] = 0
@@ -87,7 +87,7 @@ class Packing:
 
 
 def load(path):
-    """Packing of a network: walls lie at their contacts, the stress loads the right wall."""
+    """Packing of a network: walls lie at their contacts, the stress loads the side walls."""
     from rcr import Network
     from rcr import _kernel as kernel
 
@@ -103,11 +103,12 @@ def load(path):
             raise ValueError(
                 f"{path}: no grain touches wall {-1 - wall}; give a packing between four walls")
         pose[count + wall, wall % 2] = touching[:, wall % 2].mean()
-    mass = np.append(p["mass"], [0, 0, p["mass"].sum() / np.sqrt(count), 0])
+    side = p["mass"].sum() / np.sqrt(count)
+    mass = np.append(p["mass"], [side, 0, side, 0])
     inertia = p["mass"] * [kernel.polar_moment(*s) / kernel.area(*s) for s in stadium]
     velocity, force = np.concatenate([p["velocity"], np.zeros((4, 3))]), np.zeros((count + 4, 2))
     height = pose[count + 3, 1] - pose[count + 1, 1]
-    force[count + 2, 0] = -network.stress()[0, 0] * height
+    force[[count, count + 2], 0] = network.stress()[0, 0] * height * np.array([1, -1])
     length, unit = 2 * stadium.sum(1).mean(), p["mass"].mean()
     per_length = np.array([1 / length, 1 / length, 1])
     return Packing(pose=pose * per_length, stadium=stadium / length, mass=mass / unit,

@@ -60,10 +60,10 @@ def arguments():
     add("--time-step", type=number,
         help="time step beyond --approach, in √(m/σ0); not of --law smooth")
     add("--approach", type=number,
-        help="strain of quick shear: inertial number at least "
-        f"{PROTOCOL.quick_inertial_number:g}, time step at most {PROTOCOL.quick_time_step:g}")
+        help="strain up to which the shear is quicker, with an inertial number of up to "
+        f"{PROTOCOL.quick_inertial_number:g}")
     add("--sample-inertia", type=number,
-        help="bound of ρ (v W/h)²/σ0 beyond --approach, with v of the top wall, W and h of the "
+        help="bound of ρ (v W/2h)²/σ0 beyond --approach, with v of the top wall, W and h of the "
         "box; lowers the rate of large samples")
     add("--threads", type=integer, help="threads of the contact solver (default: YADE's -j)")
     add("--tolerance", type=number, help="largest residual of the contact solver")

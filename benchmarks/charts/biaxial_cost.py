@@ -139,12 +139,13 @@ def _energies(test):
 
 
 def _work(test):
-    """Make a step; returns the work of the top wall and of the load on the right wall [J]."""
-    right, load = O.bodies[test.right].state, STRESS * test.height
-    before = right.vel[0]
+    """Make a step; returns the work of the top wall and of the loads on the side walls [J]."""
+    left, right = (O.bodies[wall].state for wall in (test.left, test.right))
+    spreading, load = lambda: right.vel[0] - left.vel[0], STRESS * test.height
+    before = spreading()
     O.step()
     of_top = O.forces.f(test.top)[1] * O.bodies[test.top].state.vel[1]
-    return -O.dt * np.array([of_top, load * (before + right.vel[0]) / 2])
+    return -O.dt * np.array([of_top, load * (before + spreading()) / 2])
 
 
 def _accounts():

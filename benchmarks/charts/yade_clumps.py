@@ -52,7 +52,7 @@ class Stock(Biaxial):
     def _add_walls(self, edges, mass):
         plate = O.materials.append(w.FrictMat(density=PROTOCOL.density, frictionAngle=0))
         self.left, self.bottom, self.right, self.top = self.walls = O.bodies.append([
-            rcr.wall("x", edges[0], +1, material=plate),
+            rcr.mobile_wall("x", edges[0], mass, +1, plate),
             rcr.wall("y", edges[1], +1, material=plate),
             rcr.mobile_wall("x", edges[2], mass, -1, plate),
             rcr.wall("y", edges[3], -1, material=plate),
@@ -67,7 +67,8 @@ class Stock(Biaxial):
             w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()],
                               [w.Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(ks))],
                               [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
-            rcr.WallStress(wall=self.right, start=self.bottom, end=self.top, stress=-STRESS),
+            *(rcr.WallStress(wall=wall, start=self.bottom, end=self.top, stress=stress)
+              for wall, stress in ((self.left, STRESS), (self.right, -STRESS))),
             w.NewtonIntegrator(damping=DAMPING)]
 
     def network(self):

@@ -110,7 +110,7 @@ def plot_strips(value, ax, name="strip_force", symbol=r"\langle f_n\rangle"):
     for eta, row, error, style in of_each_eta(value, name):
         ax.errorbar(column(value, "strip"), row, error, marker=marker(eta), ms=3, lw=0.8,
                     elinewidth=0.6, **style)
-    ax.set(xlabel=r"$x/W$ (fixed wall at 0, free wall at 1)",
+    ax.set(xlabel=r"$x/W$ (left wall at 0, right wall at 1)",
            ylabel=rf"${symbol}$ of a strip over the mean", xlim=(0, 1))
     return ax
 

@@ -108,15 +108,15 @@ class Biaxial:
     def sample_inertia(self):
         """Return the present inertia of the sample along its width and height.
 
-        ρ (ε̇ W)²/σ₀ and ρ (ε̇ h)²/σ₀ [-], with ε̇ = v/h and the speed v of the top wall. In the
-        homogeneous flow u = ε̇ (x, −y), with v and the area constant, a point accelerates by
-        2 ε̇² x and not along y: the fixed side wall carries ρ (ε̇ W)² more than the free one.
+        ρ (ε̇ W/2)²/σ₀ and ρ (ε̇ h)²/σ₀ [-], with ε̇ = v/h and the speed v of the top wall. At a
+        constant v, the first one is the excess of the stress in the middle over that at the side
+        walls, see `rcr.study.shear`. ε̇ W/2 is the speed of a side wall.
         """
         width, height = shearing.box(self)
-        rate = shearing.top_speed(self) / height
+        rate = self.progress["rate"] / self.time_unit * self.progress["first_height"] / height
         density = PROTOCOL.density * self.packing_fraction
         stress = PROTOCOL.confining_stress
-        return tuple(density * (rate * length) ** 2 / stress for length in (width, height))
+        return tuple(density * (rate * length) ** 2 / stress for length in (width / 2, height))
 
     def wall_stresses(self):
         """Return σ_x and σ_y, the mean contact forces on opposite walls over their lengths [Pa]."""
@@ -165,9 +165,12 @@ class Biaxial:
         """Return whether the test is at a strain, or at most half a record before it."""
         return self.strain >= strain - HALF_RECORD
 
-    def step(self, count, times=1):
-        """Make `times` intervals of `count` steps; set `records` and `mean_stresses`."""
-        make_records(self, count, times)
+    def step(self, count, times=1, speeds=None):
+        """Make `times` intervals of `count` steps; set `records` and `mean_stresses`.
+
+        `speeds` are those of the top wall, see `rcr.study.records.make_records`.
+        """
+        make_records(self, count, times, speeds)
         last = self.records[-1]
         self.mean_stresses = np.array([last["stress_x"], last["stress_y"]])
 

@@ -76,7 +76,11 @@ def load(path):
             handle.flush()
         O.load(name, quiet=True)
         state = json.loads(O.tags["biaxial"])
-        return check_parameters(**state["parameters"]), state["progress"], state["rows"]
+        parameters, progress = check_parameters(**state["parameters"]), state["progress"]
+    if "rate" not in progress:
+        raise ValueError(f"{path}: the checkpoint of an earlier protocol, in which the left wall "
+                         "is fixed; start again with --overwrite")
+    return parameters, progress, state["rows"]
 
 
 def _compressed(file):

@@ -54,10 +54,10 @@ def make_scene(parameters):
     grains.append(parameters, centres, radii, rng.random(count), grain)
     mass = math.fsum(O.bodies[k].state.mass for k in grains.ids())
     wall_mass = mass / math.sqrt(count)  # of a row of grains; heavier walls lag behind
-    fixed = [rcr.wall(axis, 0, +1, material=plate) for axis in "xy"]
-    mobile = [rcr.mobile_wall(axis, at, wall_mass, -1, plate)
-              for axis, at in zip("xy", (width, height))]
-    walls = O.bodies.append([*fixed, *mobile])
+    left, right, top = (rcr.mobile_wall(axis, at, wall_mass, sense, plate)
+                        for axis, at, sense in (("x", 0, 1), ("x", width, -1), ("y", height, -1)))
+    left.state.blockedDOFs = "xyzXYZ"  # until the shear
+    walls = O.bodies.append([left, rcr.wall("y", 0, +1, material=plate), right, top])
     shortest, _ = PROTOCOL.relaxation_time_steps
     O.dt = shortest * math.sqrt(mass / count / PROTOCOL.confining_stress)
     O.engines = _engines(walls, parameters)
@@ -72,6 +72,7 @@ def _engines(walls, parameters):
         InsertionSortCollider([box, Bo1_Wall_Aabb()], verletDist=0.1 * PROTOCOL.smallest_radius),
         InteractionLoop(contacts, [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
                         [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+        rcr.WallStress(wall=left, start=bottom, end=top, stress=-stress, dead=True),
         rcr.WallStress(wall=right, start=bottom, end=top, stress=stress),
         rcr.WallStress(wall=top, start=left, end=right, stress=stress),
         rcr.ContactDynamics(  # walls under stress give way, so each step has a solution

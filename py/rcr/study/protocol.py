@@ -25,7 +25,7 @@ class Protocol:
     # Grains and load
     smallest_radius: float = 5e-3  # R_min [m]
     density: float = 2600.0  # mass density of grains [kg/m³]
-    confining_stress: float = 1e4  # σ₀ on the right and the top wall [Pa]
+    confining_stress: float = 1e4  # σ₀ on walls that give way [Pa]
     deposited_fraction: float = 0.82  # packing fraction of the deposited circles [-]
 
     # Collapse: homogeneous contraction until the contacts carry the load
@@ -56,17 +56,16 @@ class Protocol:
     # Shear
     time_step: float = 0.4  # dt [t₀]; at 1.2 contacts of long grains sink in
     inertial_number: float = 1e-4  # I [-]; averages are near their limit I → 0
-    sample_inertia: float = 2e-5  # ρ (v W/h)²/σ₀ at most [-]; at 2e-4 the sample sloshes
+    sample_inertia: float = 2e-5  # ρ (v W/2h)²/σ₀ at most [-]; at 2e-4 the sample sloshes
     approach: float = 0.1  # strain up to which the shear is quick [-]
-    slowing_strain: float = 0.01  # strain in which the rate then falls [-]
     quick_time_step: float = 0.1  # dt of quick shear, at most [t₀]
     quick_inertial_number: float = 1e-3  # I of quick shear, at least [-]
+    acceleration_stress: float = 0.005  # of the packing by the top wall, at most [σ₀]
     iterations: int = 300  # of the solver in a step, at most
     small_iterations: int = 10_000  # the same of small packings (docs/study/biaxial.md)
     small_particles: int = 2000  # grains of a small packing, at most
     yield_compliance: float = 0.01  # `ContactDynamics.yieldCompliance`
     most_divisor: int = 5  # of the time step where the shear is repeated
-    ramp_strain: float = 0.002  # strain in which the top wall reaches its speed [-]
     record_strain: float = 1e-3  # strain of a record of the history [-]
     fraction_ratios: tuple = (0.5, 1.5)  # packing fraction over its first value; beyond: blown up
 
@@ -110,19 +109,14 @@ def critical_start(end, share=0.5):
     return share * end
 
 
-def slow_strain(approach):
-    """Return the strain from which on the shear is slow: the approach, and the fall of the rate."""
-    return approach + PROTOCOL.slowing_strain * (approach > 0)
-
-
 def quick_averages(strain, approach, inertial_number):
     """Return a warning if the averages of a test up to a strain begin before the slow shear."""
-    start, slow = critical_start(strain), slow_strain(approach)
-    if start >= slow - HALF_RECORD or inertial_number >= PROTOCOL.quick_inertial_number:
+    start = critical_start(strain)
+    if start >= approach - HALF_RECORD or inertial_number >= PROTOCOL.quick_inertial_number:
         return ""
     return (f"averages are over strains of {start:g} to {strain:g}, but the shear is slow from "
-            f"{slow:g} on only: they mix two rates; give --strain {2 * slow:g} or more, or a "
-            "smaller --approach")
+            f"{approach:g} on only: they mix several rates; give --strain {2 * approach:g} or "
+            "more, or a smaller --approach")
 
 
 def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto",

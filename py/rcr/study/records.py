@@ -1,6 +1,7 @@
 """Steps of a biaxial test in intervals, and the record of each interval. Needs YADE."""
 
 import numpy as np
+from yade.minieigenHP import Vector3
 from yade.wrapper import Omega
 
 from rcr.study.protocol import PROTOCOL
@@ -12,6 +13,7 @@ COUNTERS = dict(  # of the shear, in `Biaxial.progress`
     divisor=1,  # of the time step
     failed_strain=0.0,  # strain up to which the divisor applies
     repeated=0,  # number of parts of the shear that a smaller time step has repeated
+    rate=0.0,  # I at the present strain
 )  # fmt: skip
 
 HISTORY_COLUMNS = ("step", "time", "strain", "sin_phi", "stress_x", "stress_y", "packing_fraction",
@@ -29,8 +31,10 @@ class Springs:
         return sum(i.geom.points for i in O.interactions if i.isReal)
 
 
-def make_records(test, count, times):
+def make_records(test, count, times, speeds=None):
     """Make `times` intervals of `count` steps; set `test.records`, one dict for each interval.
+
+    `speeds` drives the top wall: (count,) speeds downwards [m/s], equal ones if `times` > 1.
 
     It has the state after the interval, `HISTORY_COLUMNS` that belong to it, width and height [m].
     Wall stresses are means of the interval [Pa], compression positive. `points`, `iterations` and
@@ -39,14 +43,19 @@ def make_records(test, count, times):
     test.records = []
     if isinstance(test.solver, Springs):
         for _ in range(times):
-            _step_smooth(test, count)
+            _step_smooth(test, speeds)
     else:
-        _step_rigid(test, count, times)
+        _step_rigid(test, count, times, speeds)
 
 
-def _step_smooth(test, count):
+def _drive(test, speed):
+    O.bodies[test.top].state.vel = Vector3(0, -speed, 0)
+
+
+def _step_smooth(test, speeds):
     stresses = []
-    for left in reversed(range(count)):
+    for left, speed in zip(reversed(range(len(speeds))), speeds):
+        _drive(test, speed)
         O.step()
         if left % PROTOCOL.smooth_stride == 0:
             stresses.append(test.wall_stresses())
@@ -57,22 +66,34 @@ def _step_smooth(test, count):
         yielded_steps=0))
 
 
-def _step_rigid(test, count, times):
+def _step_rigid(test, count, times, speeds):
     solver = test.solver
     solver.observe = [test.left, test.right, test.bottom, test.top]
     solver.observeEvery = count
     solver.observations()  # discards entries of earlier steps
     width, height = test.width, test.height
     try:
-        if count * times == 1:
-            O.step()
-        else:
-            O.run(count * times, True)
+        for speed, steps in _runs(count * times, speeds):
+            if speed is not None:
+                _drive(test, speed)
+            if steps == 1:
+                O.step()
+            else:
+                O.run(steps, True)
     finally:
         solver.observeEvery = 0
         for observation in solver.observations():
             _add_record(test, observation, width, height)
             width, height = (test.records[-1][name] for name in ("width", "height"))
+
+
+def _runs(steps, speeds):
+    """Return the runs of YADE, each a speed of the top wall and a number of steps."""
+    if speeds is None:
+        return [(None, steps)]
+    if (speeds == speeds[0]).all():
+        return [(speeds[0], steps)]
+    return [(speed, 1) for speed in speeds]
 
 
 def _add_record(test, observation, width, height):

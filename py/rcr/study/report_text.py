@@ -6,7 +6,6 @@ Needs NumPy.
 import numpy as np
 
 from rcr._data import checks
-from rcr.study import protocol
 from rcr.observables.packings import SEEDS
 from rcr.study.criteria import SIGMAS
 from rcr.study.kinds import group_by_kind
@@ -106,12 +105,12 @@ def _critical(runs, analysis):
 
 
 def slow_strain(runs):
-    """Return the strain from which on all tests were slow: the approach, and the fall of the rate.
+    """Return the strain from which on all tests were slow, their largest `approach`.
 
     It is 0 for networks without the parameters of scripts/biaxial.py.
     """
     approaches = [run.record["parameters"].get("approach") or 0 for run in runs if run.record]
-    return protocol.slow_strain(max(approaches, default=0))
+    return max(approaches, default=0)
 
 
 def approached(runs):
@@ -202,7 +201,7 @@ def _boxes(runs):
         return "No summary.json has the shape of the box."
     widths, inertia = zip(*rows)
     return (f"At the end the boxes are {min(widths):.1f} to {max(widths):.1f} times as wide as "
-            f"high, and ρ (ε̇ W)² is at most {max(inertia):.1g} of σ₀.")
+            f"high, and ρ (ε̇ W/2)² is at most {max(inertia):.1g} of σ₀.")
 
 
 def cost(runs):

@@ -1,10 +1,21 @@
-"""Shear of the biaxial test: the top wall closes at a given rate, σ₀ acts on the right wall.
+"""Shear of the biaxial test: the top wall closes at a given rate, σ₀ acts on both side walls.
 
 The top wall moves at the rate ε̇ = I/t₀ of the first height. The strain is (h₀ − h)/h₀. A record
-is 0.1 % of strain and gives a row of the history; after the ramp it ends at a multiple of this
-strain. Up to the strain `approach` the shear is quick:
-`Protocol.quick_inertial_number`. Beyond `approach`, the rate falls within `Protocol.slowing_strain`
-until ρ (v W/h)² ≤ `sample_inertia` σ₀ (v: speed of the top wall).
+is 0.1 % of strain, ends at a multiple of it and gives a row of the history. Up to the strain
+`approach` the shear is quick: I is `Protocol.quick_inertial_number` at most. Beyond it, I is the
+smaller one of `inertial_number` and `largest_rate`.
+
+The side walls are free and carry equal forces, and no wall has friction. So the momentum of
+grains and side walls along x stays 0, and the packing spreads from its middle.
+
+In the homogeneous flow u = ε̇ (x, −y) at a constant area, a grain at x from the middle accelerates
+by (v̇/h + 2 ε̇²) x, with the speed v = ε̇ h of the top wall. The stress in the middle deviates from
+that at the walls by
+
+    ρ (v̇/h + 2 ε̇²) W²/8
+
+`largest_slope` bounds its first part, which brakes or accelerates the packing, by
+`Protocol.acceleration_stress` σ₀; `largest_rate` bounds the second one.
 Needs YADE.
 """
 
@@ -12,7 +23,6 @@ import math
 
 import numpy as np
 from yade import utils
-from yade.minieigenHP import Vector3
 from yade.wrapper import Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, Omega
 
 import rcr
@@ -37,14 +47,18 @@ def start(test):
     solver.yieldCompliance = PROTOCOL.yield_compliance
     rest()
     _set_friction(test, parameters["friction"], parameters["rolling_friction"])
-    for engine in O.engines:
-        if isinstance(engine, rcr.WallStress) and engine.wall == test.top:
-            engine.dead = True
-    O.bodies[test.top].state.blockedDOFs = "xyzXYZ"
+    _load_side_walls(test)
     if parameters["law"] == "smooth":
         switch_to_springs(test, parameters["stiffness"])
-    else:
-        O.dt = rate_and_step(test)[1] * test.time_unit
+
+
+def _load_side_walls(test):
+    """Free the left wall under σ₀ and drive the top one."""
+    for engine in O.engines:
+        if isinstance(engine, rcr.WallStress):
+            engine.dead = engine.wall == test.top
+    O.bodies[test.left].state.blockedDOFs = O.bodies[test.right].state.blockedDOFs
+    O.bodies[test.top].state.blockedDOFs = "xyzXYZ"
 
 
 def _set_friction(test, friction, rolling):
@@ -79,54 +93,56 @@ def switch_to_springs(test, stiffness):
     test.solver = Springs()
 
 
-def is_approaching(test, strain=None):
-    """Return whether the test, or a strain, has not reached the strain `approach`."""
-    strain = test.strain if strain is None else strain
-    return strain < test.parameters["approach"] - HALF_RECORD
-
-
 def share_done(test, end):
     """Return the share of the steps up to the strain `end` that the shear has made, estimated."""
     smooth = O.dt / test.time_unit if test.parameters["law"] == "smooth" else None
+    slope = largest_slope(test)
 
     def steps(first):
-        strains = np.linspace(first, end, 101)[:-1]
-        rates = [rate_and_step(test, strain) for strain in strains]
-        return sum((end - first) / 100 / (rate * (smooth or step)) for rate, step in rates)
+        part = (end - first) / 100
+        strains = first + part * (np.arange(100) + 0.5)
+        rates = [min(math.sqrt(slope * strain), aimed_rate(test, strain)) for strain in strains]
+        return sum(part / (rate * (smooth or time_step(test, rate))) for rate in rates)
 
     return 1 - steps(test.strain) / steps(0.0) if test.strain < end else 1.0
 
 
-def rate_and_step(test, strain=None):
-    """Return I and dt/t₀ of the shear, now or at a strain; `Biaxial.go_back` divides dt.
-
-    Beyond the strain `approach`, I falls exponentially with the strain to its final value, or to
-    the bound of the sample's inertia.
-    """
-    given, step = test.parameters["inertial_number"], test.parameters["time_step"]
-    quick = max(given, PROTOCOL.quick_inertial_number)
-    shortest = min(step, PROTOCOL.quick_time_step)
-    if is_approaching(test, strain):
-        return quick, shortest / test.progress["divisor"]
+def aimed_rate(test, strain):
+    """Return I at a strain, after the acceleration at the start."""
+    given, approach = (test.parameters[name] for name in ("inertial_number", "approach"))
     slow = min(given, largest_rate(test, strain))
-    rate = slow * (quick / slow) ** (1 - _slowed(test, strain))
-    step = min(max(step * given / rate, shortest), step)
-    return rate, step / test.progress["divisor"]
+    quick = max(given, PROTOCOL.quick_inertial_number)
+    braking = math.sqrt(largest_slope(test) * max(0, approach - strain))
+    return max(slow, min(quick, braking))
 
 
-def _slowed(test, strain=None):
-    """Return how far the rate has fallen beyond the strain `approach`, from 0 to 1."""
-    beyond = (test.strain if strain is None else strain) - test.parameters["approach"]
-    return min(1, max(0, beyond) / PROTOCOL.slowing_strain) if test.parameters["approach"] else 1
+def next_rate(test):
+    """Return I at the end of the next record: the aimed one, as far as `largest_slope` lets it."""
+    length = next_record(test)
+    square, change = test.progress["rate"] ** 2, largest_slope(test) * length
+    low, high = math.sqrt(max(0, square - change)), math.sqrt(square + change)
+    return min(max(low, aimed_rate(test, rounded(test.strain + length))), high)
 
 
 def largest_rate(test, strain=None):
-    """Return I at which ρ (ε̇ W)²/σ₀ has its bound, now or at a strain."""
+    """Return I at which ρ (ε̇ W/2)²/σ₀ has its bound, now or at a strain."""
     width, height = box(test, strain)
     density = PROTOCOL.density * test.packing_fraction
     bound = test.parameters["sample_inertia"] * PROTOCOL.confining_stress
     first = test.progress["first_height"]
-    return test.time_unit * height / (first * width) * math.sqrt(bound / density)
+    return 2 * test.time_unit * height / (first * width) * math.sqrt(bound / density)
+
+
+def largest_slope(test):
+    """Return the largest |dI²/dε| of an acceleration.
+
+    v̇ = h₀/(2 t₀²) dI²/dε, and ρ W h = N m. The box has the first area, and the height at the
+    strain `approach`, where the braking ends, or the present one beyond.
+    """
+    first = test.progress["first_height"]
+    area = test.area / test.progress["packing_fraction_initial"]
+    height = min(first * (1 - test.parameters["approach"]), test.height)
+    return 16 * PROTOCOL.acceleration_stress * height**3 / (len(test.grains) * area * first)
 
 
 def box(test, strain=None):
@@ -135,43 +151,39 @@ def box(test, strain=None):
     return test.area / (test.packing_fraction * height), height
 
 
-def top_speed(test):
-    """Return the present speed of the top wall after the ramp [m/s]."""
-    return rate_and_step(test)[0] / test.time_unit * test.progress["first_height"]
-
-
-def steps_per_record(test):
-    """Return the number of steps of a record of `Protocol.record_strain`, of the ramp or later."""
-    rate, step = rate_and_step(test)
-    if isinstance(test.solver, Springs):
-        step = O.dt / test.time_unit
-    return max(1, math.ceil(PROTOCOL.record_strain / (rate * step) - 1e-6))
+def time_step(test, rate):
+    """Return dt/t₀ at a rate I, at most; `Biaxial.go_back` divides it. Springs have their own."""
+    given, step = test.parameters["inertial_number"], test.parameters["time_step"]
+    shortest = min(step, PROTOCOL.quick_time_step)
+    return min(max(step * given / rate, shortest), step) / test.progress["divisor"]
 
 
 def next_record(test):
-    """Return the strain of the next record after the ramp, which ends at a multiple of it.
-
-    The first record after the ramp has 0.5 to 1.5 times `Protocol.record_strain`.
-    """
+    """Return the strain from here to the end of the next record, at a multiple of a record."""
     whole = PROTOCOL.record_strain
     left = (math.floor(test.strain / whole + 0.5) + 1) * whole - test.strain
     return whole if math.isclose(left, whole, rel_tol=1e-6) else left
 
 
-def _steps(test, ramp):
-    """Return the number of steps of the next record; set the time step.
+def step_rates(test, last):
+    """Return I of each step of the next record, which ends at the rate `last`; set the time step.
 
-    The time step is the largest up to that of `rate_and_step` with which a record ends at its
-    strain. Springs keep theirs and end within half a step.
+    I changes uniformly in time. It is constant in a record in which it changes by no more than
+    `largest_slope` lets it in a step. The time step is the largest up to `time_step` with which
+    the record ends at its strain. Springs keep theirs, and I deviates by at most half a step.
     """
-    if ramp < 1:
-        return steps_per_record(test)
-    (rate, step), strain = rate_and_step(test), next_record(test)
+    first, length = test.progress["rate"], next_record(test)
+    mean = (first + last) / 2
     if isinstance(test.solver, Springs):
-        return max(1, round(strain * test.time_unit / (rate * O.dt)))
-    count = max(1, math.ceil(strain / (rate * step) - 1e-6))
-    O.dt = strain / (rate * count) * test.time_unit
-    return count
+        count = max(1, round(length * test.time_unit / (mean * O.dt)))
+    else:
+        count = max(1, math.ceil(length / (mean * time_step(test, max(first, last))) - 1e-6))
+        O.dt = length / (mean * count) * test.time_unit
+    step = O.dt / test.time_unit
+    if abs(last - first) <= 0.5 * largest_slope(test) * step:
+        first = last = mean
+    shares = (np.arange(count) + 0.5) / count
+    return (first + (last - first) * shares) * (length / (mean * count * step))
 
 
 def _records_to(test, strain):
@@ -180,17 +192,17 @@ def _records_to(test, strain):
     return max(1, math.ceil(left / PROTOCOL.record_strain - 1e-6))
 
 
-def _records_at_this_speed(test, most):
-    """Return the number of records, at most `most`, with the same speed and length."""
-    if next_record(test) != PROTOCOL.record_strain:
+def _records_at_this_rate(test, most):
+    """Return the number of records, at most `most`, with the present rate and the same length."""
+    given, whole = test.parameters["inertial_number"], PROTOCOL.record_strain
+    rate = test.progress["rate"]
+    if next_record(test) != whole or next_rate(test) != rate:
         return 1
-    if is_approaching(test):
-        return min(most, _records_to(test, test.parameters["approach"]))
-    if _slowed(test) < 1:
-        return 1
-    end = test.strain + most * PROTOCOL.record_strain
+    if rate > given:  # the quick one, until the wall brakes
+        braking = test.parameters["approach"] - rate**2 / largest_slope(test)
+        return max(1, min(most, math.floor((braking - test.strain) / whole)))
     # the margin is for the dilation until then
-    return most if test.parameters["inertial_number"] < 0.8 * largest_rate(test, end) else 1
+    return most if given < 0.8 * largest_rate(test, test.strain + most * whole) else 1
 
 
 def shear(test, records, end=1):
@@ -201,19 +213,16 @@ def shear(test, records, end=1):
     all bodies once. The results are those of one run per record, to the bit. A packing that has
     blown up raises a RuntimeError.
     """
-    solver, top = test.solver, O.bodies[test.top].state
     while records > 0:
-        ramp = min(1, max(test.strain, PROTOCOL.record_strain / 10) / PROTOCOL.ramp_strain)
-        top.vel = Vector3(0, -ramp * top_speed(test), 0)
-        if not isinstance(solver, Springs):
-            O.dt = rate_and_step(test)[1] * test.time_unit
-        most = min(records, _records_to(test, end))
-        together = _records_at_this_speed(test, most) if ramp == 1 else 1
+        together = _records_at_this_rate(test, min(records, _records_to(test, end)))
+        last = next_rate(test)
+        rates = step_rates(test, last)
         try:
-            test.step(_steps(test, ramp), together)
+            test.step(len(rates), together, rates / test.time_unit * test.progress["first_height"])
         finally:
             for record in test.records:
                 test.rows.append(history_row(test, record))
+        test.progress["rate"] = last
         records = 0 if test.has_reached(end) else records - together
 
 
@@ -236,5 +245,6 @@ def history_row(test, record):
             f"the packing has blown up by step {record['step']}, strain {strain:.4g}: "
             f"packing fraction {fraction:.4g}, stresses of the walls {shown} σ₀; "
             "take a smaller time step, inertial number or tolerance")
-    found = record | dict(strain=rounded(strain), sin_phi=sin_phi(stresses), packing_fraction=fraction)
+    found = record | dict(
+        strain=rounded(strain), sin_phi=sin_phi(stresses), packing_fraction=fraction)
     return {name: found[name] for name in HISTORY_COLUMNS}

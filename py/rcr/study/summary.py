@@ -9,7 +9,6 @@ from yade.wrapper import Omega
 import rcr
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE, sin_phi
 from rcr.study.protocol import PROTOCOL, critical_start, is_critical
-from rcr.study.shear import rate_and_step
 
 O = Omega()
 
@@ -70,7 +69,7 @@ def _geometry(test):
     along_width, along_height = test.sample_inertia()
     return dict(
         inertial_number=_mean_rate(test), approach=parameters["approach"],
-        inertial_number_final=rate_and_step(test)[0],
+        inertial_number_final=progress["rate"],
         aspect_ratio_initial=first_width / first_height, aspect_ratio=test.width / test.height,
         sample_inertia=along_width, sample_inertia_height=along_height,
         unbalance_initial=progress["unbalance_initial"],
