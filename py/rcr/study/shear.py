@@ -200,7 +200,7 @@ def _records_at_this_rate(test, most):
         return 1
     if rate > given:  # the quick one, until the wall brakes
         braking = test.parameters["approach"] - rate**2 / largest_slope(test)
-        return max(1, min(most, math.floor((braking - test.strain) / whole)))
+        return max(1, min(most, math.floor((braking - test.strain) / whole - 1e-6)))
     # the margin is for the dilation until then
     return most if given < 0.8 * largest_rate(test, test.strain + most * whole) else 1
 
