@@ -58,7 +58,7 @@ def arguments():
         help="coefficient of rolling resistance between grains during the shear, of --shape rcr")
     add("--inertial-number", type=number, help="rate beyond --approach, times √(m/σ0)")
     add("--time-step", type=number,
-        help="time step beyond --approach, in √(m/σ0); not of --law smooth")
+        help="time step in √(m/σ0), shorter in quick shear; not of --law smooth")
     add("--approach", type=number,
         help="strain up to which the shear is quicker, with an inertial number of up to "
         f"{PROTOCOL.quick_inertial_number:g}")
