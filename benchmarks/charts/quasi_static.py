@@ -1,10 +1,9 @@
 """Chart e. The biaxial test over its rate, time step and solver, in pairs of equal packings.
 
-Tests of one elongation, size and seed start from the same frictionless packing. They shear at I =
-1e-3 and dt = 0.1 t₀ to a strain of 0.1, then at the settings of the point to 0.3. At the settings
-of the study they continue to 0.5. A row has the observables of the strains from 0.15 to 0.3, or
-from 0.3 to 0.5. Stresses and packing fraction are means over all records, the others over one
-network a per cent.
+Tests of one elongation, size and seed start from the same frictionless packing. They shear as in
+the study to a strain of 0.1, then at the settings of the point to 0.3. At the settings of the study
+they continue to 0.5. A row has the observables of the strains from 0.15 to 0.3, or from 0.3 to 0.5.
+Stresses and packing fraction are means over all records, the others over one network a per cent.
 
 The limit I → 0 is that of the fit y(I) = y₀ + b √I with the same b for all seeds. A test saves a
 checkpoint once a minute, so an interrupted point resumes. Its networks are in the folder `rates` of

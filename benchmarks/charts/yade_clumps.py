@@ -41,7 +41,7 @@ class Stock(Biaxial):
         O.reset()
         friction = math.atan(self.parameters["friction"])
         rough = O.materials.append(w.FrictMat(density=PROTOCOL.density, frictionAngle=friction))
-        self.ids = [_clump(*grain, rough) for grain in grains]
+        self.grains = [_clump(*grain, rough) for grain in grains]
         self._add_walls(edges, mass)
         kn, ks = stiffness * STRESS, PROTOCOL.shear_stiffness * stiffness * STRESS
         self._set_engines(kn, ks)
@@ -73,9 +73,9 @@ class Stock(Biaxial):
 
     def network(self):
         """Contact network; all sphere contacts of two grains are one contact."""
-        number = {i: k for k, i in enumerate(self.ids)}
+        number = {i: k for k, i in enumerate(self.grains)}
         codes = dict(zip(self.walls, (LEFT, BOTTOM, RIGHT, TOP)))
-        place = [np.array(O.bodies[i].state.pos)[:2] for i in self.ids]
+        place = [np.array(O.bodies[i].state.pos)[:2] for i in self.grains]
         rows = []
         for (one, two), (along, across, point, count) in _pairs(codes).items():
             wall = two in codes
@@ -86,7 +86,7 @@ class Stock(Biaxial):
                          min(count, 2)))
         columns = [np.array(column) for column in zip(*rows)]
         names = "body1 body2 type normal branch force position points".split()
-        one, n = np.ones(len(self.ids)), len(self.ids)
+        one, n = np.ones(len(self.grains)), len(self.grains)
         particles = dict(id=np.arange(n), position=np.array(place), angle=0 * one, R=one,
                          cap_radius=one, half_length=0 * one, mass=one, velocity=np.zeros((n, 3)))
         attributes = dict(time=O.time, strain=self.strain, dt=O.dt, volume=self.width * self.height)

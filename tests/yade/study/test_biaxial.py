@@ -499,15 +499,15 @@ def test_script_refuses_the_folder_of_another_run(done, arguments, message):
 
 @of_the_control
 def test_wide_samples_shear_more_slowly(packing):
-    """Beyond `approach`, ρ (ε̇ W/2)²/σ₀ is at its bound."""
+    """Beyond `approach`, ρ (ε̇ W/2)²/σ₀ is at its bound, with the packing fraction before."""
     parameters = dict(approach=0.003, inertial_number=1e-3, sample_inertia=2e-5)
     test = packing.sheared(0, **parameters)
     inertias = []
     while test.strain < 0.02:
-        slow = test.strain > 0.003
+        slow, fraction = test.strain > 0.003, test.packing_fraction
         test.shear_record()
-        inertias += [test.sample_inertia()[0]] if slow else []
-    assert inertias == pytest.approx([2e-5] * len(inertias), rel=1e-3) and len(inertias) > 10
+        inertias += [test.sample_inertia()[0] * test.packing_fraction / fraction] if slow else []
+    assert inertias == pytest.approx([2e-5] * len(inertias), rel=1e-6) and len(inertias) > 10
     final = test.summary()["inertial_number_final"]
     one = [row["stress_x"] for row in test.rows]
     test = packing.sheared(0, **parameters)

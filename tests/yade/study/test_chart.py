@@ -184,7 +184,7 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
 
     stock = biaxial_cost.Stock(compacted(), 1e3)
     assert stock.packing_fraction == pytest.approx(fraction)
-    assert [O.bodies[i].state.mass for i in stock.ids] == masses
+    assert [O.bodies[i].state.mass for i in stock.grains] == masses
     spheres = sum(hasattr(b.shape, "radius") for b in O.bodies)
     assert spheres == 50 * (1 if eta == 0 else 1 + math.ceil(4 * eta / (1 - eta)))
     for _ in range(20):
@@ -282,6 +282,7 @@ def test_point_of_the_rate_is_the_same_in_one_go_and_interrupted(tmp_path, monke
         quasi_static.run(name, options(tmp_path))
     (again,) = quasi_static.run(name, options(tmp_path))
     assert again | {"seconds": 0} == straight | {"seconds": 0}
-    # a record of 0.001 takes three steps of at most 4e-4
-    assert again["inertial_number"] == 1e-3 and again["steps"] == 30 * 3
+    # a record of 0.001 takes three steps of at most 4e-4; five at the mean rate 5.5e-4 of the first
+    # one, which accelerates from the rate at the end of the approach
+    assert again["inertial_number"] == 1e-3 and again["steps"] == 5 + 29 * 3
     assert 0 < again["packing_fraction"] < 1
