@@ -5,7 +5,7 @@
 namespace rcr {
 
 constexpr double slowestRate  = 0.9; // of s: the change is at least a ninth of the error
-constexpr double frictionalFit = 0.45, frictionalPower = 0.4; // fits to measured true errors
+constexpr double frictionalFit = 0.5, frictionalPower = 0.4; // fits to measured true errors
 constexpr double leastChange2 = 1e-4; // of ‖v − v_free‖_M² over ‖p‖_w²
 
 /// ‖v − v_free‖_M², at least that of bodies at rest.

@@ -11,7 +11,7 @@
 //
 // The change in packings with friction, after k sweeps of n points, is a fit to measured errors:
 //
-//   e = 0.45 (n/k · ‖Δp‖_w/‖p‖_w)^0.4
+//   e = 0.5 (n/k · ‖Δp‖_w/‖p‖_w)^0.4
 //
 // Elsewhere, the residual r of the iterate and of the earlier one gives the rate s of convergence:
 //
