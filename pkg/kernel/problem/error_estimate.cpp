@@ -4,7 +4,7 @@
 
 namespace rcr {
 
-constexpr double slowestRate  = 0.9; // of s: the change is at least a ninth of the error
+constexpr double slowestRate = 0.9; // of s, unknown above
 constexpr double frictionalFit = 0.5, frictionalPower = 0.4; // fits to measured true errors
 constexpr double leastChange2 = 1e-4; // of ‖v − v_free‖_M² over ‖p‖_w²
 
@@ -21,7 +21,8 @@ double errorFromChange(
 	const double change = std::sqrt(c.impulseChange / c.impulse);
 	if (shape.frictional && !shape.slim())
 		return frictionalFit * std::pow(change * shape.points / sweeps, frictionalPower);
-	const double rate = std::min(std::sqrt(residualRatio), slowestRate);
+	const double rate = std::sqrt(residualRatio);
+	if (!(rate <= slowestRate)) return unknownError;
 	const double forces = change * rate / (1 - rate);
 	const double velocities = std::sqrt(std::sqrt(c.error * c.impulse) * forces
 	        / velocityScale2(c.velocity, c.impulse));

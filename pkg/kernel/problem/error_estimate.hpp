@@ -15,8 +15,9 @@
 //
 // Elsewhere, the residual r of the iterate and of the earlier one gives the rate s of convergence:
 //
-//   s = √(r/r_half) ≤ 0.9,  p* − p ≈ Δp s/(1 − s),  e = √(‖d‖_w ‖p* − p‖_w)/‖v − v_free‖_M
+//   s = √(r/r_half),  p* − p ≈ Δp s/(1 − s),  e = √(‖d‖_w ‖p* − p‖_w)/‖v − v_free‖_M
 //
+// In slim islands e is at least ‖p* − p‖_w/‖p‖_w. While s > 0.9, the change tells nothing.
 // It follows from the bound of Cauchy and Schwarz, (p − p*)ᵀ W (p − p*) ≤ Σ w_nn d · (p − p*).
 // Norms: ‖p‖_w² = Σ w_nn |p|², ‖v‖_M² = Σ m |v|² + I ω². d is the error of a point in the contact
 // laws (residual.hpp). ‖v − v_free‖_M counts as at least a hundredth of ‖p‖_w, since bodies at rest
