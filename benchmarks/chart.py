@@ -12,6 +12,8 @@ f  a column that collapses: time, sweeps and memory over the number of grains, u
    hours and 10 GB of memory, not in the default
 g  estimates of the error of a solve against its true error
 h  where methods fail: scenes with a known momentum or base force, over the number of bodies
+i  biaxial test: changes of the observables by the error of its steps; takes hours, not in the
+   default
 
 A CSV has one row a point, with the command that repeats it. Points that it has for the same
 settings are not run again, so an interrupted call resumes. A larger --limit repeats points that ran
@@ -41,7 +43,7 @@ def arguments():
     add("--out", type=script.folder, required=True, metavar="DIR",
         help="folder of the charts, made if missing")
     add("--charts", nargs="+", choices=list(charts.NAMES), default=list("abcdgh"), metavar="C",
-        help="some of a b c d e f g h (default: all but e and f; e needs --limit 3600, f 7200)")
+        help="some of a to i (default: all but e, f and i; e needs --limit 3600, f and i 7200)")
     add("--quick", action="store_true",
         help="smaller packings, fewer points: up to ten minutes on two cores")
     add("--only", metavar="POINT",

@@ -64,6 +64,23 @@ namespace {
 		return softest;
 	}
 
+	struct Step {
+		double distance = 0, rho = 0; // from its reference, softest parameter; 0: not complete
+	};
+
+	/// Error after a step, from its distance. A step lowers the smoothest error by 1 + ρ/κ. κ is at
+	/// least the condition of the island, that of rows and columns. In others, the distance of the
+	/// last step shows how large it is.
+	double errorOfStep(
+	        double distance, double rho, const Step& last, double condition, bool slim)
+	{
+		const double assumed = distance * (condition / rho);
+		if (last.distance == 0) return slim || distance == 0 ? assumed : unknownError;
+		const double growth = distance / last.distance, most = rho / last.rho;
+		if (growth >= most) return unknownError;
+		return std::max(assumed, distance * growth / (most - growth));
+	}
+
 	/// One proximal step about the present impulses.
 	PathEnd proximalStep(ContactProblem& problem, ProximalProblem& proximal,
 	        std::vector<ProximalParameter>& rho, int maxIterations)
@@ -125,6 +142,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 			problem.impulse };
 	};
 	Best         best      = iterate(report.errorEstimate);
+	Step         last;
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
 	while (!best.meets(settings) && left() > 0) {
 		remember();
@@ -133,11 +151,13 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 		const PathEnd end     = proximalStep(problem, proximal, rho, left() / cost);
 		report.iterations += cost * (1 + end.pivots);
 		if (mustYield()) return report.plusCostOf(swept);
-		// a step about a reference shortens its smoothest error by 1 + ρ/condition
 		updateVelocity(problem);
-		const double distance = distanceFrom(problem, reference, swept.shape),
-		             estimate = end.complete ? distance * (condition / softest) : unknownError;
-		Best next            = iterate(estimate);
+		const double distance = distanceFrom(problem, reference, swept.shape);
+		Best         next     = iterate(
+                end.complete ? errorOfStep(
+                        distance, softest, last, condition, swept.shape.slim())
+                             : unknownError);
+		last = end.complete ? Step { distance, softest } : Step {};
 		// a smaller residual than that of the sweeps, and so hardly a larger error
 		if (next.residual <= swept.residual)
 			next.errorEstimate = std::min(next.errorEstimate, swept.errorEstimate);

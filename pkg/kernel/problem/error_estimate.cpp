@@ -4,9 +4,8 @@
 
 namespace rcr {
 
-constexpr double slowestRate  = 0.75; // of s: the change is at least a third of the error
-constexpr double velocityFit  = 0.7;  // factor of e_v
-constexpr double frictionalFit = 1.4, frictionlessFit = 0.27; // factors c
+constexpr double slowestRate = 0.9; // of s, unknown above
+constexpr double frictionalFit = 0.5, frictionalPower = 0.4; // fits to measured true errors
 constexpr double leastChange2 = 1e-4; // of ‖v − v_free‖_M² over ‖p‖_w²
 
 /// ‖v − v_free‖_M², at least that of bodies at rest.
@@ -15,15 +14,19 @@ static double velocityScale2(double velocity, double impulse)
 	return std::max(velocity, leastChange2 * impulse);
 }
 
-double errorFromChange(const IterateChange& c, double residualRatio, bool frictional)
+double errorFromChange(
+        const IterateChange& c, double residualRatio, int sweeps, const IslandShape& shape)
 {
 	if (c.impulse == 0) return c.error == 0 ? 0 : unknownError;
-	const double rate   = std::min(std::sqrt(residualRatio), slowestRate);
-	const double left   = std::sqrt(c.impulseChange) * rate / (1 - rate);
-	const double forces = left / std::sqrt(c.impulse);
-	const double scale  = std::sqrt(velocityScale2(c.velocity, c.impulse));
-	const double velocities = velocityFit * std::sqrt(std::sqrt(c.error) * left) / scale;
-	return (frictional ? frictionalFit : frictionlessFit) * std::max(forces, velocities);
+	const double change = std::sqrt(c.impulseChange / c.impulse);
+	if (shape.frictional && !shape.slim())
+		return frictionalFit * std::pow(change * shape.points / sweeps, frictionalPower);
+	const double rate = std::sqrt(residualRatio);
+	if (!(rate <= slowestRate)) return unknownError;
+	const double forces = change * rate / (1 - rate);
+	const double velocities = std::sqrt(std::sqrt(c.error * c.impulse) * forces
+	        / velocityScale2(c.velocity, c.impulse));
+	return shape.slim() ? std::max(forces, velocities) : velocities;
 }
 
 NormWeights::NormWeights(const IslandShape& shape, double meanResponse, double largestMass)

@@ -9,18 +9,19 @@
 //   change   from the change Δp of the impulses since half as many sweeps, from D sweeps on:
 //            impulses must have crossed the island
 //
-// The residual r of the iterate and of that earlier one gives the rate of convergence. Measured on
-// dense packings, the error falls with √r:
+// The change in packings with friction, after k sweeps of n points, is a fit to measured errors:
 //
-//   s = √(r/r_half) ≤ 0.75,  p* − p ≈ Δp · s/(1 − s)
-//   forces       e_f = c ‖Δp‖_w s/(1 − s) / ‖p‖_w
-//   velocities   e_v = 0.7 c √(‖d‖_w ‖Δp‖_w s/(1 − s)) / ‖v − v_free‖_M
-//   with friction c = 1.4, without c = 0.27
+//   e = 0.5 (n/k · ‖Δp‖_w/‖p‖_w)^0.4
 //
+// Elsewhere, the residual r of the iterate and of the earlier one gives the rate s of convergence:
+//
+//   s = √(r/r_half),  p* − p ≈ Δp s/(1 − s),  e = √(‖d‖_w ‖p* − p‖_w)/‖v − v_free‖_M
+//
+// In slim islands e is at least ‖p* − p‖_w/‖p‖_w. While s > 0.9, the change tells nothing.
+// It follows from the bound of Cauchy and Schwarz, (p − p*)ᵀ W (p − p*) ≤ Σ w_nn d · (p − p*).
 // Norms: ‖p‖_w² = Σ w_nn |p|², ‖v‖_M² = Σ m |v|² + I ω². d is the error of a point in the contact
-// laws (residual.hpp). e_v follows from the bound of Cauchy and Schwarz, (p − p*)ᵀ W (p − p*) ≤
-// Σ w_nn d · (p − p*). The factors fit the measured true errors. ‖v − v_free‖_M counts as at least
-// a hundredth of ‖p‖_w, since bodies at rest between walls have no scale of their own.
+// laws (residual.hpp). ‖v − v_free‖_M counts as at least a hundredth of ‖p‖_w, since bodies at rest
+// between walls have no scale of their own.
 //
 // Heavy bodies hide the errors of light ones in these norms, and slow the solvers. Both estimates
 // of a slim island are multiplied by the largest mass of a body times the mean w_nn. In other
@@ -94,8 +95,9 @@ struct NormWeights {
 	NormWeights(const IslandShape&, double meanResponse, double largestMass);
 };
 
-/// The larger of e_f and e_v. `residualRatio`: r/r_half.
-double errorFromChange(const IterateChange&, double residualRatio, bool frictional);
+/// The estimate from the change. `residualRatio`: r/r_half.
+double errorFromChange(
+        const IterateChange&, double residualRatio, int sweeps, const IslandShape&);
 
 /// Condition of the island: `shape.condition()` times the factor of its norm weights [-].
 double conditionOf(const ContactProblem&, const IslandShape&);

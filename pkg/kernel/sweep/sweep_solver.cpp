@@ -91,7 +91,7 @@ double IslandStop::estimate(const Measures& m, double residual, const Saved& sav
 	return island_.norm().factor
 	        * errorFromChange(
 	        { change.energy, m.impulseEnergy, m.errorEnergy, island_.changeEnergy() },
-	        saved.residual > 0 ? residual / saved.residual : 1, island_.shape().frictional);
+	        saved.residual > 0 ? residual / saved.residual : 1, sweeps(), island_.shape());
 }
 
 void IslandStop::saveAtCheckpoint(double residual)
