@@ -69,13 +69,14 @@ namespace {
 	};
 
 	/// Error after a step, from its distance. A step lowers the smoothest error by 1 + ρ/κ. κ is at
-	/// least the condition of the island, that of rows and columns. In others, the distance of the
-	/// last step shows how large it is.
-	double errorOfStep(
-	        double distance, double rho, const Step& last, double condition, bool slim)
+	/// least the condition of the island, that of rows and columns. Without friction, the distance
+	/// of the last step shows how large it is; with friction, states that change hide it.
+	double errorOfStep(double distance, double rho, const Step& last, double condition,
+	        const IslandShape& shape)
 	{
 		const double assumed = distance * (condition / rho);
-		if (last.distance == 0) return slim || distance == 0 ? assumed : unknownError;
+		if (shape.frictional || distance == 0) return assumed;
+		if (last.distance == 0) return shape.slim() ? assumed : unknownError;
 		const double growth = distance / last.distance, most = rho / last.rho;
 		if (growth >= most) return unknownError;
 		return std::max(assumed, distance * growth / (most - growth));
@@ -153,10 +154,9 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 		if (mustYield()) return report.plusCostOf(swept);
 		updateVelocity(problem);
 		const double distance = distanceFrom(problem, reference, swept.shape);
-		Best         next     = iterate(
-                end.complete ? errorOfStep(
-                        distance, softest, last, condition, swept.shape.slim())
-                             : unknownError);
+		Best next = iterate(end.complete
+		                ? errorOfStep(distance, softest, last, condition, swept.shape)
+		                : unknownError);
 		last = end.complete ? Step { distance, softest } : Step {};
 		// a smaller residual than that of the sweeps, and so hardly a larger error
 		if (next.residual <= swept.residual)
