@@ -10,6 +10,7 @@ def test_a_reader_sees_whole_numbers(tmp_path):
     assert progress.read(tmp_path) is None
     progress.write(tmp_path, 2.5)
     assert progress.read(tmp_path) == (2.5, 0.0, 0.0)
+    progress.write(tmp_path, 0.0)
     numbers = [index / 1000 for index in range(1000)]
     writer = threading.Thread(
         target=lambda: [progress.write(tmp_path, 1000 * x, x, x / 2) for x in numbers])
