@@ -16,6 +16,7 @@ The unbalance is the mean net force of a grain over the mean contact force [-].
 import math
 
 import numpy as np
+from yade import utils
 from yade.minieigenHP import Vector3
 from yade.wrapper import (Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider,
                           InteractionLoop, NewtonIntegrator, Omega)
@@ -167,7 +168,9 @@ def compact(test, balance_tolerance):
     _relax(test)
     if solver.unbalancedForce >= balance_tolerance:
         return False
-    # a few grains may still flip, and end their long, curved paths in others
+    # a few grains may still flip, and end their long, curved paths in others; the loop detects the
+    # contacts at the end of the step
+    utils.typedEngine("InteractionLoop")()
     if test.overlaps().max(initial=0) > PROTOCOL.largest_overlap:
         _shorten_steps(test.progress["relaxation"])
         return False
