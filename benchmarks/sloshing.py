@@ -48,8 +48,7 @@ def measure(folder, inertia, time_step, iterations):
         rest()
         O.run(CALM["steps"] // 2, True)
     test.parameters.update(sample_inertia=inertia)
-    speed = shear.largest_rate(test) / test.time_unit * test.progress["first_height"]
-    top.vel = Vector3(0, -speed, 0)
+    top.vel = Vector3(0, -shear.wall_speed(test, shear.largest_rate(test)), 0)
     O.dt = time_step * test.time_unit
     solver.maxIterations = iterations
     solver.observe, solver.observeEvery = [test.bottom], 1

@@ -110,7 +110,8 @@ class Machine:
             ["bash", "-c", f". {self.repo}/scripts/lib/environment.sh\n{code}"],
             env={"PATH": str(self.bin), "HOME": str(self.path),
                  "XDG_CACHE_HOME": str(self.path / "cache"),
-                 "YADE_RCR_ETC": str(self.etc), "YADE_RCR_USR": str(self.path), "LC_ALL": "C.UTF-8", **environment},
+                 "YADE_RCR_ETC": str(self.etc), "YADE_RCR_USR": str(self.path),
+                 "LC_ALL": "C.UTF-8", **environment},
             cwd=self.path, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
             text=True, start_new_session=True,
             # a process in the background ignores SIGINT, and so would bash

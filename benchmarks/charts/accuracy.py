@@ -19,21 +19,24 @@ from scipy.sparse.linalg import norm as sparse_norm
 from yade.wrapper import Omega
 
 from benchmarks import charts
+from benchmarks.charts import quasi_static
 from rcr.statistics import standard_error
 from rcr.study.biaxial import Biaxial
+from rcr.study.checkpoint import CHECKPOINT
 from rcr.study.protocol import PROTOCOL
 
 O = Omega()
-TITLES = dict(beta="β of P(f_n)", weak_share="share of weak forces",
-              tiny_share="share of forces below a tenth of the mean", a_half="a_c(ξ = 0.5)",
-              a_one="a_c(ξ = 1)", c_f_lr="C(f, ℓ_r)", mobilization="I_M", sin_phi="sin φ")
-COLUMNS = ("eta particles seed strain error estimate missed sweeps seconds force_change"
-           "").split() + list(TITLES)
+NAMES = "beta_n", "weak_fraction", "a_c_half", "a_c_weak", "c_f_lr", "friction_mobilization"
+TITLES = {name: quasi_static.OBSERVED[name] for name in (*NAMES, "sin_phi")} | dict(
+    tiny_share="share of forces below a tenth of the mean")
+COLUMNS = "eta particles seed strain error estimate missed sweeps seconds force_change".split() + [
+    *TITLES]
 DEPENDS = "quick", "particles", "protocol"
 ETAS = 0.0, 0.7
 FIRST, LAST, INTERVAL = 0.15, 0.3, 0.015  # strains of the states
 STEPS = 40
-ERRORS = 0.3, 0.1, 0.03, 0.01
+ERRORS = 0.01, 0.03, 0.1, 0.3
+FINEST = ERRORS[0]
 SWEEPS = "sweeps"  # in place of an error: at most `Protocol.iterations` sweeps
 FRICTION_GOAL = 30  # error of packings with friction over `ContactDynamics.accuracy`
 MOST_SWEEPS = 20_000
@@ -49,14 +52,14 @@ def run(name, options):
     about = dict(eta=float(eta), particles=options.particles, seed=int(seed))
     rows = []
     for path in _states(float(eta), int(seed), options):
-        networks = {}
+        reference = None
         for error in (*ERRORS, SWEEPS):
             test = Biaxial.load(path)
             row = dict(about, strain=test.strain, error=error, **_steps(test, error))
-            networks[error] = test.network()
-            rows.append(row | _observables(networks[error]))
-        for row in rows[-len(networks):]:
-            row["force_change"] = _change(networks[row["error"]], networks[min(ERRORS)])
+            network = test.network()
+            reference = reference or network
+            rows.append(row | _observables(network)
+                        | dict(force_change=_change(network, reference)))
     return rows
 
 
@@ -65,7 +68,7 @@ def _states(eta, seed, options):
     folder = charts.folder("states", f"n{options.particles}-e{eta:g}-s{seed}", options)
     wanted = np.arange(FIRST, LAST + INTERVAL / 2, INTERVAL)
     folders = [os.path.join(folder, f"{strain:.3f}") for strain in wanted]
-    if not os.path.isdir(folders[-1]):
+    if not os.path.exists(os.path.join(folders[-1], CHECKPOINT)):
         test = Biaxial.prepare(eta, options.particles, seed, threads=1)
         test.compact()
         for strain, path in zip(wanted, folders):
@@ -94,11 +97,9 @@ def _steps(test, error):
 
 
 def _observables(network):
-    a = lambda xi: float(network.anisotropies(xi)[0])
-    return dict(beta=network.exponents().beta, weak_share=network.weak_share(),
-                tiny_share=network.weak_share(0.1), a_half=a(0.5), a_one=a(1.0),
-                c_f_lr=network.c_f_lr(), sin_phi=network.sin_phi(),
-                mobilization=float(network.friction_mobilization().mean()))
+    found = quasi_static.observed([network])
+    return {name: float(found[name]) for name in NAMES} | dict(
+        sin_phi=network.sin_phi(), tiny_share=network.weak_share(0.1))
 
 
 def _change(network, reference):
@@ -121,7 +122,7 @@ def _force_matrices(network):
 
 def _differences(rows, name):
     """{error: differences of an observable from the smallest error, at the same states}."""
-    exact = {(row["seed"], row["strain"]): row[name] for row in rows if row["error"] == min(ERRORS)}
+    exact = {(row["seed"], row["strain"]): row[name] for row in rows if row["error"] == FINEST}
     found = {}
     for row in rows:
         found.setdefault(row["error"], []).append(row[name] - exact[row["seed"], row["strain"]])
@@ -136,7 +137,7 @@ def ratios(rows):
         chosen = [row for row in rows if row["eta"] == eta]
         if not chosen:
             continue
-        for error in (min(ERRORS), *sorted(set(ERRORS) - {min(ERRORS)}), SWEEPS):
+        for error in (*ERRORS, SWEEPS):
             of = [row for row in chosen if row["error"] == error]
             mean = lambda name: np.mean([row[name] for row in of])
             cells = [_mean(chosen, error, name) for name in TITLES]
@@ -147,7 +148,7 @@ def ratios(rows):
 
 def _mean(rows, error, name):
     """Mean at the smallest error, or mean change from it, with the standard error, as text."""
-    if error == min(ERRORS):
+    if error == FINEST:
         values, sign = [row[name] for row in rows if row["error"] == error], ""
     else:
         values, sign = _differences(rows, name)[error], "+"

@@ -125,9 +125,9 @@ def background_shell_stops(folder, number):
     """A shell without job control starts the script with SIGINT ignored."""
     (folder / "scene.py").write_text(ADVANCE)
     words = shlex.join([*YADE, "scene.py"])
-    shell = start(["sh", "-c", f"{words} & echo $! >pid; wait $!; echo $? >code"],
-                             cwd=folder, start_new_session=True, stdin=subprocess.DEVNULL,
-                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    shell = start(["sh", "-c", f"{words} & echo $! >pid; wait $!; echo $? >code"], cwd=folder,
+                  start_new_session=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                  stderr=subprocess.DEVNULL)
     wait_until((folder / "ready").exists, shell)
     os.kill(int((folder / "pid").read_text()), number)
     shell.wait(PATIENCE)
@@ -150,7 +150,7 @@ def terminal_stops(folder, character):
     ours, theirs = os.openpty()
     os.set_blocking(ours, False)
     process = start(["setsid", "--ctty", *YADE, "scene.py"], cwd=folder, stdin=theirs,
-                               stdout=theirs, stderr=theirs)
+                    stdout=theirs, stderr=theirs)
     os.close(theirs)
 
     def read_until(condition):

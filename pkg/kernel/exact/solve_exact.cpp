@@ -64,14 +64,15 @@ namespace {
 		return softest;
 	}
 
-	struct Step {
-		double distance = 0, rho = 0; // from its reference, softest parameter; 0: not complete
+	/// A complete proximal step; zeros: none.
+	struct Moved {
+		double distance = 0, rho = 0; // from its reference [-], softest parameter
 	};
 
 	/// Error after a step, from its distance. A step lowers the smoothest error by 1 + ρ/κ. κ is at
 	/// least the condition of the island, that of rows and columns. Without friction, the distance
 	/// of the last step shows how large it is; with friction, states that change hide it.
-	double errorOfStep(double distance, double rho, const Step& last, double condition,
+	double errorOfStep(double distance, double rho, const Moved& last, double condition,
 	        const IslandShape& shape)
 	{
 		const double assumed = distance * (condition / rho);
@@ -143,7 +144,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 			problem.impulse };
 	};
 	Best         best      = iterate(report.errorEstimate);
-	Step         last;
+	Moved        last;
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
 	while (!best.meets(settings) && left() > 0) {
 		remember();
@@ -157,7 +158,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 		Best next = iterate(end.complete
 		                ? errorOfStep(distance, softest, last, condition, swept.shape)
 		                : unknownError);
-		last = end.complete ? Step { distance, softest } : Step {};
+		last = end.complete ? Moved { distance, softest } : Moved {};
 		// a smaller residual than that of the sweeps, and so hardly a larger error
 		if (next.residual <= swept.residual)
 			next.errorEstimate = std::min(next.errorEstimate, swept.errorEstimate);

@@ -17,8 +17,9 @@
 //
 //   s = √(r/r_half),  p* − p ≈ Δp s/(1 − s),  e = √(‖d‖_w ‖p* − p‖_w)/‖v − v_free‖_M
 //
-// In slim islands e is at least ‖p* − p‖_w/‖p‖_w. While s > 0.9, the change tells nothing.
-// It follows from the bound of Cauchy and Schwarz, (p − p*)ᵀ W (p − p*) ≤ Σ w_nn d · (p − p*).
+// e follows from the bound of Cauchy and Schwarz, (p − p*)ᵀ W (p − p*) ≤ Σ w_nn d · (p − p*). In
+// slim islands e is at least ‖p* − p‖_w/‖p‖_w. While s > 0.9, the change tells nothing.
+//
 // Norms: ‖p‖_w² = Σ w_nn |p|², ‖v‖_M² = Σ m |v|² + I ω². d is the error of a point in the contact
 // laws (residual.hpp). ‖v − v_free‖_M counts as at least a hundredth of ‖p‖_w, since bodies at rest
 // between walls have no scale of their own.

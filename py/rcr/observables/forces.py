@@ -68,7 +68,8 @@ register("O3", "Probability density of the normal forces between grains over the
          "the weak forces inset; crosses: β_n fitted from a tenth of the mean on.",
          lambda e, grids: force_distribution(e.fn, grids.force, "n")
          | dict(weak_fraction=np.mean(e.fn < 1)), dict(f_n="force"),
-         figure=plain(plot_force_tail, plot_force_power), small=plain(partial(plot_force_tail, place=None)))
+         figure=plain(plot_force_tail, plot_force_power),
+         small=plain(partial(plot_force_tail, place=None)))
 register("O4", "The same of the sizes of the tangential forces.",
          lambda e, grids: force_distribution(np.abs(e.ft), grids.force, "t"), dict(f_t="force"),
          figure=plain(partial(plot_force_tail, suffix="t"), partial(plot_force_power, suffix="t")))

@@ -113,7 +113,7 @@ class Biaxial:
         walls, see `rcr.study.shear`. ε̇ W/2 is the speed of a side wall.
         """
         width, height = shearing.box(self)
-        rate = self.progress["rate"] / self.time_unit * self.progress["first_height"] / height
+        rate = shearing.wall_speed(self, self.progress["rate"]) / height
         density = PROTOCOL.density * self.packing_fraction
         stress = PROTOCOL.confining_stress
         return tuple(density * (rate * length) ** 2 / stress for length in (width / 2, height))

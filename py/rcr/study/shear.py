@@ -116,6 +116,11 @@ def aimed_rate(test, strain):
     return max(slow, min(quick, braking))
 
 
+def wall_speed(test, rate):
+    """Return the speed of the top wall at a rate I [m/s]."""
+    return rate / test.time_unit * test.progress["first_height"]
+
+
 def next_rate(test):
     """Return I at the end of the next record: the aimed one, as far as `largest_slope` lets it."""
     length = next_record(test)
@@ -218,7 +223,7 @@ def shear(test, records, end=1):
         last = next_rate(test)
         rates = step_rates(test, last)
         try:
-            test.step(len(rates), together, rates / test.time_unit * test.progress["first_height"])
+            test.step(len(rates), together, wall_speed(test, rates))
         finally:
             for record in test.records:
                 test.rows.append(history_row(test, record))
