@@ -1,9 +1,10 @@
 """Chart i. What the error of a step means for the observables of the biaxial test.
 
-A test with the default settings stores a state every 1.5 % of strain, from 15 % on, where the
+A test with the default settings stores a state every 3 % of strain, from 15 % on, where the
 shear is slow. From each state, `STEPS` steps are made again, solved to each of `ERRORS` by the
-estimate, and as the tests of many grains are, with at most `Protocol.iterations` sweeps. All
-errors thus have the same packings, and their differences no noise of different ones.
+estimate, and with at most each number of `SWEEPS`; tests of many grains make at most
+`Protocol.iterations`. All thus have the same packings, and their differences no noise of
+different ones.
 
 Observables are those of the network of the last step. Its forces change by ‖f − f'‖/‖f'‖
 from the smallest error, over all pairs of grains.
@@ -33,11 +34,12 @@ COLUMNS = "eta particles seed strain error estimate missed sweeps seconds force_
     *TITLES]
 DEPENDS = "quick", "particles", "protocol"
 ETAS = 0.0, 0.7
-FIRST, LAST, INTERVAL = 0.15, 0.3, 0.015  # strains of the states
+FIRST, LAST, INTERVAL = 0.15, 0.3, 0.03  # strains of the states
 STEPS = 40
 ERRORS = 0.01, 0.03, 0.1, 0.3
 FINEST = ERRORS[0]
-SWEEPS = "sweeps"  # in place of an error: at most `Protocol.iterations` sweeps
+SWEEPS = 30, 100, PROTOCOL.iterations
+LIMITS = {f"{sweeps} sweeps": sweeps for sweeps in SWEEPS}  # stand in place of an error
 FRICTION_GOAL = 30  # error of packings with friction over `ContactDynamics.accuracy`
 MOST_SWEEPS = 20_000
 
@@ -53,7 +55,7 @@ def run(name, options):
     rows = []
     for path in _states(float(eta), int(seed), options):
         reference = None
-        for error in (*ERRORS, SWEEPS):
+        for error in (*ERRORS, *LIMITS):
             test = Biaxial.load(path)
             row = dict(about, strain=test.strain, error=error, **_steps(test, error))
             network = test.network()
@@ -82,8 +84,8 @@ def _states(eta, seed, options):
 def _steps(test, error):
     """Make the steps; return their means."""
     solver = test.solver
-    if error == SWEEPS:
-        solver.maxIterations = PROTOCOL.iterations
+    if error in LIMITS:
+        solver.maxIterations = LIMITS[error]
     else:
         solver.accuracy, solver.maxIterations = error / FRICTION_GOAL, MOST_SWEEPS
     estimates, missed, sweeps, start = [], 0, 0, time.process_time()
@@ -137,11 +139,11 @@ def ratios(rows):
         chosen = [row for row in rows if row["eta"] == eta]
         if not chosen:
             continue
-        for error in (*ERRORS, SWEEPS):
+        for error in (*ERRORS, *LIMITS):
             of = [row for row in chosen if row["error"] == error]
             mean = lambda name: np.mean([row[name] for row in of])
             cells = [_mean(chosen, error, name) for name in TITLES]
-            label = f"{PROTOCOL.iterations} sweeps" if error == SWEEPS else f"{100 * error:g} %"
+            label = error if error in LIMITS else f"{100 * error:g} %"
             yield [f"{eta:g}", label, f"{mean('sweeps'):.0f}", f"{100 * mean('missed'):.0f} %",
                    f"{mean('force_change'):.2g}", *cells]
 
