@@ -65,7 +65,7 @@ public:
 		"Solves all rigid contacts of a step together (nonsmooth Contact Dynamics, Moreau time stepping) and adds their forces to "
 		"the bodies. It stands between :yref:`InteractionLoop` and :yref:`NewtonIntegrator`, whose damping must be 0. "
 		"docs/law.md and docs/solvers.md describe the settings.",
-		((Real,accuracy,0.01,,"Relative error of velocities and forces at which the solver stops [-], by :yref:`errorEstimate<ContactDynamics.errorEstimate>`. Ten times as much in dense packings with friction, whose solutions differ by more than 1 %. inf switches it off."))
+		((Real,accuracy,0.01,,"Relative error of velocities and forces at which the solver stops [-], by :yref:`errorEstimate<ContactDynamics.errorEstimate>`. 30 times as much in dense packings with friction, whose solutions differ by 10 to 30 %. inf switches it off."))
 		((Real,tolerance,1e-4,,"Residual that a solution must also meet [-]; 0 runs all iterations."))
 		((int,maxIterations,1000,,"Sweeps that a step may take. Further passes, yielding contacts and squeezed grains may take more."))
 		((std::string,solver,"auto",,""))

@@ -31,12 +31,12 @@ namespace {
 
 	/// The best impulses so far: those that meet the limits, or with the smallest residual.
 	struct Best {
-		double                   residual, velocityError, errorEstimate;
+		double                   residual, drift, errorEstimate;
 		std::vector<LocalVector> impulse;
 
 		bool meets(const Settings& s) const
 		{
-			return s.areMet(residual, velocityError, errorEstimate)
+			return s.areMet(residual, drift, errorEstimate)
 			        || (s.tolerance == 0 && residual == 0);
 		}
 		void offer(const Best& other, const Settings& settings)
@@ -140,7 +140,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	const double                   condition = conditionOf(problem, swept.shape);
 	std::vector<ProximalParameter> rho(proximal.size(), ProximalParameter(10 * condition));
 	const auto iterate = [&](double estimate) -> Best {
-		return { residualFromSums(now), velocityError(now, problem.points.size()), estimate,
+		return { residualFromSums(now), driftOf(now, problem.points.size()), estimate,
 			problem.impulse };
 	};
 	Best         best      = iterate(report.errorEstimate);
@@ -173,7 +173,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
 	report.residual      = best.residual;
-	report.velocityError = best.velocityError;
+	report.drift         = best.drift;
 	report.errorEstimate = best.errorEstimate;
 	report.dissipated            = dissipatedEnergy(problem);
 	report.impulseGrowth = std::numeric_limits<double>::infinity(); // unknown after exact steps

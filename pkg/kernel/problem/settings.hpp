@@ -19,9 +19,8 @@ struct Tolerances {
 	/// IslandShape::goal relaxes it for dense packings with friction. Infinity: no test.
 	double accuracy = std::numeric_limits<double>::infinity();
 
-	/// Largest RMS error w_nn |d| of the relative velocities of an island [m/s]. Errors that do not
-	/// change from step to step would add up to overlaps.
-	double velocityTolerance = std::numeric_limits<double>::infinity();
+	/// Largest drift of an island [m/s] (residual.hpp).
+	double driftTolerance = std::numeric_limits<double>::infinity();
 
 	/// Rounding error of velocities [m/s]. An island whose RMS error w_nn |p − P_K(…)| is smaller
 	/// counts as solved, for example bodies that fly together.
@@ -34,9 +33,9 @@ struct Tolerances {
 
 	/// Returns true if residual, velocity error and estimated error meet their limits. Tolerance 0 is
 	/// never met.
-	bool areMet(double residual, double velocityError, double errorEstimate) const
+	bool areMet(double residual, double drift, double errorEstimate) const
 	{
-		return tolerance > 0 && residual <= tolerance && velocityError <= velocityTolerance
+		return tolerance > 0 && residual <= tolerance && drift <= driftTolerance
 		        && errorEstimate <= accuracy;
 	}
 };

@@ -16,7 +16,7 @@ namespace rcr {
 
 struct Report {
 	double residual      = 0; // residual.hpp [-]
-	double velocityError = 0; // RMS of w_nn |d| [m/s]
+	double drift         = 0; // residual.hpp [m/s]
 	double errorEstimate = 0; // error_estimate.hpp; infinity: unknown [-]
 	int    iterations    = 0; // of the island that needs most
 	/// Every island has met tolerance and accuracy or meanForceChange, or has the residual 0.
@@ -37,13 +37,13 @@ struct Report {
 
 	/// Returns true if the residual and the velocity error meet their tolerances. Tolerance 0 is
 	/// never met.
-	bool meetsResidual(const Settings& s) const { return s.areMet(residual, velocityError, 0); }
+	bool meetsResidual(const Settings& s) const { return s.areMet(residual, drift, 0); }
 
 	/// Returns true if residual and estimated error meet their limits. The residual 0 meets the
 	/// tolerance 0.
 	bool meets(const Settings& s) const
 	{
-		return s.areMet(residual, velocityError, errorEstimate)
+		return s.areMet(residual, drift, errorEstimate)
 		        || (s.tolerance == 0 && residual == 0);
 	}
 

@@ -27,9 +27,9 @@ static double closingVelocity(const Step& step, const ContactPoint& c)
 	return u < -rounding * fastest ? u : 0;
 }
 
-double driftVelocity(const Step& step)
+double driftTolerance(const Step& step)
 {
-	constexpr double share = 3e-6;
+	constexpr double share = 3e-7;
 	double           size  = 0;
 	for (const StepContact& c : step.contacts)
 		size += c.size;

@@ -26,8 +26,8 @@ class ThreadTeam;
 /// endlessly.
 constexpr double contactSlop = 1e-4;
 
-/// RMS error of relative velocities that a step may leave: 3e-6 of the mean R₁ + R₂ a step [m/s].
-double driftVelocity(const struct Step&);
+/// Drift that a step may leave (problem/residual.hpp): 3e-7 of the mean R₁ + R₂ a step [m/s].
+double driftTolerance(const struct Step&);
 
 /// Upper bound of the speed of all points of a body [m/s].
 inline double maxSpeed(const PlanarVector& v, double radius)

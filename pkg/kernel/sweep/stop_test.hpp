@@ -8,13 +8,13 @@ namespace rcr {
 /// Measured values of the quantities that may stop the sweeps [-].
 struct Criteria {
 	double residual        = 0;
-	double velocityError   = 0; // [m/s]
+	double drift           = 0; // residual.hpp [m/s]
 	double errorEstimate   = unknownError;
 	double meanForceChange = std::numeric_limits<double>::infinity();
 
 	bool met(const Settings& settings) const
 	{
-		return settings.areMet(residual, velocityError, errorEstimate)
+		return settings.areMet(residual, drift, errorEstimate)
 		        || meanForceChange < settings.meanForceChange;
 	}
 };

@@ -102,8 +102,8 @@ namespace {
 	Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias,
 	        double leastResponse)
 	{
-		Sum error2, impulse2, normal, kinematicError2, stopping2, dissipated, errorEnergy,
-		        impulseEnergy;
+		Sum error2, impulse2, normal, kinematicError2, stopping2, dissipated, relativeSpeed,
+		        errorEnergy, impulseEnergy;
 		const L mostScale = Real(std::min(1 / leastResponse, double(unlimited<Real>)));
 		const Column* const first = view.points + chunk.firstColumn;
 		forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
@@ -129,6 +129,7 @@ namespace {
 			impulseEnergy.add(lane, pointImpulse2 * energy);
 			stopping2.add(lane, stopping * stopping);
 			dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
+			relativeSpeed.add(lane, abs(speed) + abs(u.t));
 			if constexpr (isRolling<decltype(c)>) {
 				const L ur = Rolling::rollingVelocity(c, lane, v1, v2), pr = L::load(c.pr() + lane),
 				        inverseRr = L::load(c.inverseRr() + lane);
@@ -145,7 +146,8 @@ namespace {
 			}
 		});
 		return { error2.total(), impulse2.total(), normal.total(), kinematicError2.total(),
-			stopping2.total(), dissipated.total(), errorEnergy.total(), impulseEnergy.total() };
+			stopping2.total(), dissipated.total(), relativeSpeed.total(), errorEnergy.total(),
+			impulseEnergy.total() };
 	}
 
 	void extrapolate(const PackedView& view, int first, int last, double momentum)
