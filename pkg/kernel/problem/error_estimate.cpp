@@ -32,9 +32,13 @@ double errorFromChange(
 NormWeights::NormWeights(const IslandShape& shape, double meanResponse, double largestMass)
 {
 	constexpr double heavy = 30; // mass of a contact or body over the mean
-	if (shape.slim()) factor = std::max(1.0, largestMass * meanResponse);
-	else
-		leastResponse = meanResponse / heavy;
+	const double     ratio = largestMass * meanResponse;
+	if (shape.slim()) {
+		factor = std::max(1.0, ratio);
+		return;
+	}
+	leastResponse = meanResponse / heavy;
+	if (!shape.frictional) factor = std::max(1.0, std::sqrt(ratio / heavy));
 }
 
 static NormWeights weightsOf(const ContactProblem& problem, const IslandShape& shape)

@@ -24,9 +24,10 @@
 // laws (residual.hpp). ‖v − v_free‖_M counts as at least a hundredth of ‖p‖_w, since bodies at rest
 // between walls have no scale of their own.
 //
-// Heavy bodies hide the errors of light ones in these norms, and slow the solvers. Both estimates
-// of a slim island are multiplied by the largest mass of a body times the mean w_nn. In other
-// islands, bodies and contacts whose mass is over 30 times the mean do not enter the norms.
+// Heavy bodies hide the errors of light ones in these norms, and slow the solvers. Let M be the
+// largest mass of a body times the mean w_nn. Both estimates of a slim island are multiplied by M.
+// In other islands, bodies and contacts whose mass is over 30 times the mean do not enter the norms;
+// without friction, the estimates are multiplied by √(M/30), at least 1.
 //
 // Neither velocities of other bodies nor contacts without a force are scales, so a common motion
 // or an idle neighbour changes nothing. docs/measurements/index.md compares the estimate with true

@@ -14,6 +14,7 @@ CLOSE = 1e-7  # rounding over the least eigenvalue of a column of 300 with mass 
 # Scenes of all families, of which some are boosted, have heavy bodies, friction or restitution.
 SEEDS = 2, 3, 8, 9, 14, 17, 21, 24, 25, 30, 33, 36, 37, 38, 42, 43, 44, 46, 49, 51, 53, 61
 BRICKS = 7, 15, 31, 79, 111, 127  # courses of bricks, polygons in YADE
+MASSES = 124  # seed of a frictionless packing
 SEEDS_IN_YADE = 2, 3, 9, 14, 17, 24, 30, 33, 36, 38, 43, 44, 46, 51
 
 
@@ -101,6 +102,12 @@ def test_converged_courses_of_bricks_are_right():
     for check in truth.in_numpy, truth.in_yade:
         wrong, counts = outcomes(check, BRICKS)
         assert not wrong and counts["islands compared"] >= len(BRICKS), (wrong, counts)
+
+
+def test_heavy_and_light_discs_of_a_packing_are_right():
+    """Masses from 1e-3 to 70: the norms of the estimate hardly see the light discs."""
+    wrong, counts = outcomes(truth.in_yade, [MASSES])
+    assert not wrong and counts["islands compared"] >= 2, (wrong, counts)
 
 
 def test_the_residual_alone_calls_wrong_problems_converged(monkeypatch):
