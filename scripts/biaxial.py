@@ -224,7 +224,8 @@ def main():
     no_parameters = ("out", "resume", "overwrite", *OUTPUT)
     given = {name: value for name, value in vars(options).items() if name not in no_parameters}
     parameters = check_parameters(**given)
-    recorded = parameters | {name: getattr(options, name) for name in OUTPUT}
+    recorded = parameters | dict(protocol=PROTOCOL.identity) | {
+        name: getattr(options, name) for name in OUTPUT}
     folder = run_folder.claim_folder(
         options.out, "biaxial.py", recorded, MADE, free=[*FREE_PARAMETERS, *OUTPUT],
         checkpoint=CHECKPOINT, last="summary.json", resume=options.resume,

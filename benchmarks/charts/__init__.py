@@ -17,7 +17,7 @@ import dataclasses
 import importlib
 import os
 
-from rcr._data import files, run_folder
+from rcr._data import files
 from rcr.study.protocol import PROTOCOL
 
 GIVEN_UP = "given up after "  # status of a point that reached its time limit; seconds follow
@@ -43,7 +43,7 @@ class Options:
     @property
     def protocol(self):
         """Short hash of the constants of the biaxial test."""
-        return run_folder.identity(dataclasses.asdict(PROTOCOL))
+        return PROTOCOL.identity
 
 
 def chart(letter):

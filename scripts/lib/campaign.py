@@ -18,7 +18,7 @@ import campaign_runs
 from campaign_progress import Progress, Test, show
 from rcr import papers, script
 from rcr._data import run_folder
-from rcr.study.protocol import SHAPES, check_networks, check_parameters
+from rcr.study.protocol import PROTOCOL, SHAPES, check_networks, check_parameters
 
 HERE = pathlib.Path(__file__).resolve().parent
 CONTINUE = "continue with the same command"
@@ -199,6 +199,15 @@ def announce(tests, options, threads):
          "report")
 
 
+def check_protocol(folders):
+    """Raise a ValueError if a folder holds a test of other constants."""
+    for folder in folders:
+        record = run_folder.read(folder)
+        if record and record["parameters"].get("protocol") != PROTOCOL.identity:
+            raise ValueError(f"{folder} holds a test of other constants than those of "
+                             "rcr.study.protocol; choose another --out, or remove it")
+
+
 def is_report_of(out, folders, paper):
     """Return whether the report in a folder is that of these runs, no others, and of the paper."""
     record = run_folder.read(out / "report")
@@ -219,6 +228,7 @@ def main():
                   out / "runs" / campaign_runs.run_name(config, case, seed), options.strain)
              for case in campaign_runs.cases(config) for seed in options.seeds]
     folders = [test.folder for test in tests]
+    check_protocol(folders)
     parameters = {name: getattr(options, name) for name in FREE}
     claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
     claimed = run_folder.claim_folder(out, "campaign", parameters, [], **claim)

@@ -181,9 +181,9 @@ class Biaxial:
 
     @property
     def run(self):
-        """Short hash of the parameters that determine the results, stored in the files."""
-        given = self.parameters.items()
-        return run_folder.identity({name: v for name, v in given if name not in FREE_PARAMETERS})
+        """Short hash of what determines the results, stored in the files."""
+        given = {name: v for name, v in self.parameters.items() if name not in FREE_PARAMETERS}
+        return run_folder.identity(given | dict(protocol=PROTOCOL.identity))
 
     @classmethod
     def load(cls, folder):

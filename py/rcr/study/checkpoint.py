@@ -14,7 +14,7 @@ from yade.wrapper import Omega
 
 from rcr._data import files
 from rcr.study.progress import CHECKPOINT
-from rcr.study.protocol import check_parameters
+from rcr.study.protocol import PROTOCOL, check_parameters
 from rcr.study.records import HISTORY_COLUMNS
 
 O = Omega()
@@ -27,7 +27,8 @@ NETWORKS = "network-*.h5"
 def save(test, folder, state=False):
     """Write history.csv and a checkpoint, also as one of the last states if `state` is set."""
     test.progress["wall_seconds"] = test.wall_seconds
-    data = dict(parameters=test.parameters, progress=test.progress, rows=test.rows)
+    data = dict(protocol=PROTOCOL.identity, parameters=test.parameters, progress=test.progress,
+                rows=test.rows)
     O.tags["biaxial"] = json.dumps(data, separators=(",", ":"))
     files.write(os.path.join(folder, "history.csv"), files.table(HISTORY_COLUMNS, test.rows))
     with _memory_file() as (handle, name):
@@ -76,11 +77,11 @@ def load(path):
             handle.flush()
         O.load(name, quiet=True)
         state = json.loads(O.tags["biaxial"])
-        parameters, progress = check_parameters(**state["parameters"]), state["progress"]
-    if "rate" not in progress:
-        raise ValueError(f"{path}: the checkpoint of an earlier protocol, in which the left wall "
-                         "is fixed; start again with --overwrite")
-    return parameters, progress, state["rows"]
+        parameters = check_parameters(**state["parameters"])
+    if state.get("protocol") != PROTOCOL.identity:
+        raise ValueError(f"{path}: a checkpoint of other constants than those of "
+                         "rcr.study.protocol; start again with --overwrite")
+    return parameters, state["progress"], state["rows"]
 
 
 def _compressed(file):

@@ -10,7 +10,7 @@ import dataclasses
 import inspect
 import math
 
-from rcr._data import checks
+from rcr._data import checks, run_folder
 
 FREE_PARAMETERS = ("threads",)  # parameters that do not change the results
 
@@ -75,6 +75,11 @@ class Protocol:
     viscous_damping: float = 0.3  # damping ratio along normals [-]; the shear has no other damping
     smooth_time_step: float = 0.5  # dt over `rcr.critical_time_step` [-]
     smooth_stride: int = 10  # steps between two readings of the wall stresses
+
+    @property
+    def identity(self):
+        """Short hash of the constants."""
+        return run_folder.identity(dataclasses.asdict(self))
 
 
 PROTOCOL = Protocol()

@@ -1,9 +1,11 @@
 """Walls of the biaxial test: acceleration by the top wall, symmetric side walls under σ₀."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import rcr
-from rcr.study import records, shear
+from rcr.study import checkpoint, records, shear
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL, check_parameters
 from rcr.study.records import COUNTERS
@@ -128,9 +130,10 @@ def test_both_side_walls_carry_the_confining_stress(monkeypatch):
     assert np.mean(stresses, axis=0) == pytest.approx([STRESS, STRESS], rel=0.02)
 
 
-def test_checkpoints_of_a_fixed_left_wall_are_refused(tmp_path):
+def test_checkpoints_of_other_constants_are_refused(tmp_path, monkeypatch):
     test = Biaxial.prepare(eta=0, particles=20, seed=1)
-    del test.progress["rate"]
     test.save(tmp_path)
-    refused("checkpoint of an earlier protocol, in which the left wall is fixed; start again with "
+    changed = dataclasses.replace(PROTOCOL, acceleration_stress=0.1)
+    monkeypatch.setattr(checkpoint, "PROTOCOL", changed)
+    refused("a checkpoint of other constants than those of rcr.study.protocol; start again with "
             "--overwrite", Biaxial.load, tmp_path)

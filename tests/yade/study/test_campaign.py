@@ -214,6 +214,17 @@ def test_the_first_line_counts_the_resumed_tests(tmp_path):
 
 
 @needs_snakemake
+def test_tests_of_other_constants_are_refused(tmp_path):
+    folder = tmp_path / "runs" / "particles-60-strain-0.04-eta-0.5-seed-2"
+    folder.mkdir(parents=True)
+    (folder / "run.json").write_text(json.dumps(dict(program="biaxial.py", run="", parameters={})))
+    (folder / "summary.json").write_text("{}")
+    line = complaint(tmp_path, *SMALL)
+    assert line == (f"campaign.py: {folder} holds a test of other constants than those of "
+                    "rcr.study.protocol; choose another --out, or remove it")
+
+
+@needs_snakemake
 def test_the_last_line_leaves_out_other_campaigns_of_the_folder(tmp_path):
     for name in "runs/particles-60-strain-0.3-eta-0.5-seed-2", "report":
         (tmp_path / name).mkdir(parents=True)
