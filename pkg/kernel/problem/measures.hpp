@@ -11,7 +11,7 @@ struct Measures {
 	double kinematicError2 = 0; // Σ w_nn² |d|² [(m/s)²]
 	double stopping2       = 0; // Σ ((|u_n| + |b_n|)/w_nn)² [(N s)²]
 	double dissipated      = 0; // −Σ p · (u + b_n n) [J/m]
-	double speed           = 0; // Σ |u_n| + |u_t| [m/s]
+	double rootSpeed       = 0; // Σ √(|u_n| + |u_t|) [√(m/s)]
 
 	// over the points with w_nn ≥ leastResponse only (error_estimate.hpp)
 	double errorEnergy   = 0; // Σ w_nn |d|² [J/m]
@@ -21,7 +21,7 @@ struct Measures {
 	{
 		error2 += other.error2, impulse2 += other.impulse2, normal += other.normal;
 		kinematicError2 += other.kinematicError2, stopping2 += other.stopping2;
-		dissipated += other.dissipated, speed += other.speed;
+		dissipated += other.dissipated, rootSpeed += other.rootSpeed;
 		errorEnergy += other.errorEnergy, impulseEnergy += other.impulseEnergy;
 		return *this;
 	}

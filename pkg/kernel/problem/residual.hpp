@@ -44,7 +44,7 @@ inline Measures measuresOf(LocalVector p, LocalVector u, double bias, double fri
 	const double stopping = (std::abs(u.n) + std::abs(bias)) / wnn;
 	const double energy   = wnn >= leastResponse ? wnn : 0;
 	return { error2, square(p), p.n, wnn * wnn * error2, stopping * stopping,
-		-dot(p, { un, u.t }), std::abs(u.n) + std::abs(u.t), energy * error2, energy * square(p) };
+		-dot(p, { un, u.t }), std::sqrt(std::abs(u.n) + std::abs(u.t)), energy * error2, energy * square(p) };
 }
 
 /// Terms of the rolling resistance of a point: d_r = p_r − (p_r − u_r/w_rr clamped to ±most).
@@ -72,7 +72,8 @@ inline double residualFromSums(double error2, double impulse2, double stopping2)
 }
 
 /// RMS of w_nn |d| over a number of points [m/s]: errors of velocities that would add up to overlaps
-/// from step to step. 0 below a share of the mean |u_n| + |u_t|, where contacts change sooner.
+/// from step to step. 0 below a share of the typical speed (mean √(|u_n| + |u_t|))², at which
+/// contacts change sooner. A few fast contacts hardly raise this mean.
 double driftOf(const Measures&, double points);
 
 inline double residualFromSums(const Measures& m)

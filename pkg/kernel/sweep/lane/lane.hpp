@@ -26,12 +26,14 @@ using Real = float;
 using Bits = std::uint32_t;
 inline float fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
 inline float absolute(float a) { return __builtin_fabsf(a); }
+inline float root(float a) { return __builtin_sqrtf(a); }
 inline float copySign(float a, float b) { return __builtin_copysignf(a, b); }
 #else
 using Real = double;
 using Bits = std::uint64_t;
 inline double fma(double a, double b, double c) { return __builtin_fma(a, b, c); }
 inline double absolute(double a) { return __builtin_fabs(a); }
+inline double root(double a) { return __builtin_sqrt(a); }
 inline double copySign(double a, double b) { return __builtin_copysign(a, b); }
 #endif
 
@@ -75,6 +77,7 @@ template <int N> struct Lane {
 	friend Lane min(Lane a, Lane b) { return { min(a.low, b.low), min(a.high, b.high) }; }
 	friend Lane max(Lane a, Lane b) { return { max(a.low, b.low), max(a.high, b.high) }; }
 	friend Lane abs(Lane a) { return { abs(a.low), abs(a.high) }; }
+	friend Lane sqrt(Lane a) { return { sqrt(a.low), sqrt(a.high) }; }
 	/// |a| with the sign of b.
 	friend Lane copySign(Lane a, Lane b)
 	{
@@ -129,6 +132,7 @@ template <> struct Lane<1> {
 	friend Lane    min(Lane a, Lane b) { return a.value < b.value ? a.value : b.value; }
 	friend Lane    max(Lane a, Lane b) { return a.value > b.value ? a.value : b.value; }
 	friend Lane    abs(Lane a) { return absolute(a.value); }
+	friend Lane    sqrt(Lane a) { return root(a.value); }
 	friend Lane    copySign(Lane a, Lane b)
 	{
 		return RCR_LANE_NAMESPACE::copySign(a.value, b.value);
@@ -162,7 +166,8 @@ template <> struct Lane<1> {
 		return mm##_fnmadd_##type(a.value, b.value, c.value);                                      \
 	}                                                                                              \
 	friend Lane min(Lane a, Lane b) { return mm##_min_##type(a.value, b.value); }                  \
-friend Lane max(Lane a, Lane b) { return mm##_max_##type(a.value, b.value); }
+	friend Lane max(Lane a, Lane b) { return mm##_max_##type(a.value, b.value); }                  \
+friend Lane sqrt(Lane a) { return mm##_sqrt_##type(a.value); }
 
 // AVX2: a mask is a register. −0 has the sign bit alone.
 #define RCR_LANE_AVX2(Register, type)                                                              \

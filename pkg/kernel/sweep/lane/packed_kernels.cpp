@@ -102,7 +102,7 @@ namespace {
 	Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias,
 	        double leastResponse)
 	{
-		Sum error2, impulse2, normal, kinematicError2, stopping2, dissipated, relativeSpeed,
+		Sum error2, impulse2, normal, kinematicError2, stopping2, dissipated, rootSpeed,
 		        errorEnergy, impulseEnergy;
 		const L mostScale = Real(std::min(1 / leastResponse, double(unlimited<Real>)));
 		const Column* const first = view.points + chunk.firstColumn;
@@ -129,7 +129,7 @@ namespace {
 			impulseEnergy.add(lane, pointImpulse2 * energy);
 			stopping2.add(lane, stopping * stopping);
 			dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
-			relativeSpeed.add(lane, abs(speed) + abs(u.t));
+			rootSpeed.add(lane, sqrt(abs(speed) + abs(u.t)));
 			if constexpr (isRolling<decltype(c)>) {
 				const L ur = Rolling::rollingVelocity(c, lane, v1, v2), pr = L::load(c.pr() + lane),
 				        inverseRr = L::load(c.inverseRr() + lane);
@@ -146,7 +146,7 @@ namespace {
 			}
 		});
 		return { error2.total(), impulse2.total(), normal.total(), kinematicError2.total(),
-			stopping2.total(), dissipated.total(), relativeSpeed.total(), errorEnergy.total(),
+			stopping2.total(), dissipated.total(), rootSpeed.total(), errorEnergy.total(),
 			impulseEnergy.total() };
 	}
 
