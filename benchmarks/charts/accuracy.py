@@ -21,6 +21,7 @@ from yade.wrapper import Omega
 
 from benchmarks import charts
 from benchmarks.charts import quasi_static
+from rcr import _kernel as kernel
 from rcr.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
@@ -40,7 +41,6 @@ ERRORS = 0.01, 0.03, 0.1, 0.3
 FINEST = ERRORS[0]
 SWEEPS = 30, 100, PROTOCOL.iterations
 LIMITS = {f"{sweeps} sweeps": sweeps for sweeps in SWEEPS}  # stand in place of an error
-FRICTION_GOAL = 30  # error of packings with friction over `ContactDynamics.accuracy`
 MOST_SWEEPS = 20_000
 
 
@@ -87,7 +87,7 @@ def _steps(test, error):
     if error in LIMITS:
         solver.maxIterations = LIMITS[error]
     else:
-        solver.accuracy, solver.maxIterations = error / FRICTION_GOAL, MOST_SWEEPS
+        solver.accuracy, solver.maxIterations = error / kernel.solution_spread, MOST_SWEEPS
     estimates, missed, sweeps, start = [], 0, 0, time.process_time()
     for _ in range(STEPS):
         O.step()

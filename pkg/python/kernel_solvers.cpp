@@ -153,6 +153,7 @@ void bindSolvers(py::module_& m)
 	                "Model of the last problem, as in ContactDynamics.model.");
 
 	m.def("solver_names", solverNames, "Names of the solvers of `solve`.");
+	m.attr("solution_spread") = solutionSpread; // error_estimate.hpp
 	m.def("solve", solveArrays, "solver"_a = "auto", "tolerance"_a = 1e-4,
 	        "max_iterations"_a = 1000, "threads"_a = 1, "lanes"_a = 0, "check_interval"_a = 10,
 	        "min_iterations"_a = 0, "stall_sweeps"_a = 0,

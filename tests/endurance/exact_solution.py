@@ -19,6 +19,8 @@ from scipy.optimize import nnls
 from scipy.sparse import coo_array, diags_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, dijkstra
 
+from rcr import _kernel
+
 OPEN, STICK, SLIDE = 0, 1, 2
 # ε [-] and steps with it; smaller ones follow where steps are slow
 PROXIMAL = (1e-2, 2), (1e-4, 3), (1e-6, 12), (1e-8, 12), (1e-10, 12)
@@ -45,7 +47,7 @@ class Island:
 
     def goal(self, accuracy):
         """Largest error of a converged island [-]: docs/law.md."""
-        return accuracy * (30 if self.frictional and not self.slim else 1)
+        return accuracy * (_kernel.solution_spread if self.frictional and not self.slim else 1)
 
 
 def jacobian(problem):

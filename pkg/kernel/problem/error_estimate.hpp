@@ -41,6 +41,9 @@ namespace rcr {
 
 constexpr double unknownError = std::numeric_limits<double>::infinity();
 
+/// Goal of dense packings with friction over `accuracy`: solutions differ by 10 to 30 % [-].
+constexpr double solutionSpread = 30;
+
 /// The contact graph of an island: its free bodies, joined by pairs.
 struct IslandShape {
 	int  points = 0, bodies = 0;
@@ -60,14 +63,12 @@ struct IslandShape {
 		return bodies <= tiny || bodies <= widest * diameter
 		        || bodiesPerLoop * (pairs + 1 - bodies) <= bodies;
 	}
-	/// Estimated error at which the island counts as solved [-]. Solutions of dense packings with
-	/// friction differ by 10 to 30 % among themselves.
+	/// Estimated error at which the island counts as solved [-].
 	double goal(double accuracy) const { return slim() ? accuracy : spreadGoal(accuracy); }
 	/// The same for any island.
 	double spreadGoal(double accuracy) const
 	{
-		constexpr double spread = 30; // of solutions, over the accuracy
-		return frictional ? spread * accuracy : accuracy;
+		return frictional ? solutionSpread * accuracy : accuracy;
 	}
 	/// Error over residual of the smoothest error, at most [-].
 	double condition() const
