@@ -43,21 +43,4 @@ inline void prefetchContact(InteractionContainer& interactions, std::size_t k)
 	}
 }
 
-/// Prefetches later interactions and their bodies in YADE's parallel loop at index k. Other threads
-/// create contacts in this loop, so it reads neither geom nor phys of later interactions.
-inline void prefetchPair(const Scene& scene, std::size_t k)
-{
-	InteractionContainer& interactions = *scene.interactions;
-	if (k + 2 * prefetchAhead >= interactions.size()) return;
-	prefetch<Interaction>(interactions[k + 2 * prefetchAhead].get());
-	const BodyContainer& bodies = *scene.bodies;
-	const auto           both   = [&](std::size_t ahead, auto fetch) {
-                const Interaction& later = *interactions[k + ahead];
-                fetch(bodies[later.getId1()].get());
-                fetch(bodies[later.getId2()].get());
-	};
-	both(prefetchAhead, prefetch<Body>);
-	both(prefetchAhead / 2, prefetchBody);
-}
-
 } // namespace yade
