@@ -1,6 +1,5 @@
 #include "dem/transfer/gather.hpp"
 
-#include "dem/contacts/prefetch.hpp"
 #include "dem/loads/CellStress.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "kernel/problem/list_by_key.hpp"
@@ -28,13 +27,7 @@ namespace {
 			handles_.bound.resize(count);
 			handles_.mayLackContacts.assign(count, false);
 			handles_.z = validation::planeOf(scene_);
-			team_.forEach(count, [&](Body::id_t id) {
-				if (id + 2 * prefetchAhead < count) {
-					prefetch<Body>(bodies[id + 2 * prefetchAhead].get());
-					prefetchBody(bodies[id + prefetchAhead].get());
-				}
-				gatherBody(id);
-			});
+			team_.forEach(count, [&](Body::id_t id) { gatherBody(id); });
 			step_.members.clear();
 			for (std::size_t id = 0; id < count; ++id) {
 				const int owner = step_.bodies[id].owner;
@@ -194,10 +187,8 @@ namespace {
 		{
 			InteractionContainer& interactions = *scene_.interactions;
 			handles_.found.resize(interactions.size());
-			team_.forEach(handles_.found.size(), [&](int k) {
-				prefetchContact(interactions, k);
-				handles_.found[k] = contactOf(*interactions[k]);
-			});
+			team_.forEach(handles_.found.size(),
+			        [&](int k) { handles_.found[k] = contactOf(*interactions[k]); });
 			sort();
 			step_.contacts.resize(handles_.sorted.size());
 			int points = 0;
@@ -208,13 +199,7 @@ namespace {
 				points += source.points;
 			}
 			step_.resizePoints(points);
-			team_.forEach(step_.contacts.size(), [&](std::size_t k) {
-				const SceneHandles::Contact& later
-				        = handles_.sorted[indexAhead(k, handles_.sorted.size())];
-				prefetch<RcrGeom>(later.geom);
-				prefetch<CdPhys>(later.phys);
-				gatherPoints(k);
-			});
+			team_.forEach(step_.contacts.size(), [&](std::size_t k) { gatherPoints(k); });
 		}
 
 		void gatherPoints(std::size_t number)
