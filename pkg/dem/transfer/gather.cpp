@@ -169,11 +169,11 @@ namespace {
 
 		/// Sorts contacts by body 1, then body 2: YADE's container changes its order when a scene is
 		/// reloaded.
-		void sort()
+		void sort(const std::vector<SceneHandles::Contact>& found)
 		{
 			std::vector<std::int32_t> first;
 			rcr::listByKey(step_.bodies.size(), first, handles_.sorted, [&](auto add) {
-				for (const SceneHandles::Contact& contact : handles_.found)
+				for (const SceneHandles::Contact& contact : found)
 					if (contact.points > 0) add(contact.id1, contact);
 			});
 			team_.forEach(step_.bodies.size(), [&](Body::id_t id) {
@@ -186,10 +186,9 @@ namespace {
 		void contacts()
 		{
 			InteractionContainer& interactions = *scene_.interactions;
-			handles_.found.resize(interactions.size());
-			team_.forEach(handles_.found.size(),
-			        [&](int k) { handles_.found[k] = contactOf(*interactions[k]); });
-			sort();
+			std::vector<SceneHandles::Contact> found(interactions.size());
+			team_.forEach(found.size(), [&](int k) { found[k] = contactOf(*interactions[k]); });
+			sort(found);
 			step_.contacts.resize(handles_.sorted.size());
 			int points = 0;
 			for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {

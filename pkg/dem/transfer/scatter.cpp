@@ -253,26 +253,4 @@ void ArraySteps::writeBack(
 	handles.sorted.swap(contacts);
 }
 
-void sortInteractions(Scene& scene, const SceneHandles& handles)
-{
-	constexpr double most = 0.1; // fraction of contacts that may be out of order
-	std::size_t      back = 0, contacts = 0;
-	Body::id_t       last = 0;
-	for (const SceneHandles::Contact& contact : handles.found) {
-		if (contact.points == 0) continue;
-		const Body::id_t id = std::min(contact.id1, contact.id2);
-		back += id < last;
-		last = id;
-		++contacts;
-	}
-	if (double(back) <= most * double(contacts)) return;
-	InteractionContainer&             all = *scene.interactions;
-	const std::lock_guard<std::mutex> lock(all.drawloopmutex);
-	const auto ids = [](const Interaction& i) { return std::minmax({ i.getId1(), i.getId2() }); };
-	std::sort(all.begin(), all.begin() + all.size(),
-	        [&](const auto& a, const auto& b) { return ids(*a) < ids(*b); });
-	for (std::size_t k = 0; k < all.size(); ++k)
-		all[k]->linIx = k;
-}
-
 } // namespace yade
