@@ -80,14 +80,15 @@ def island_rows(about, parts, repeats):
 
 def rows(given, repeats):
     for name, problem in given:
-        slippery = dict(problem, friction=0 * problem["friction"],
-                        impulse=problem["impulse"] * [1, 0])
+        cold = dict(problem, impulse=0 * problem["impulse"])  # a solution may end sweeps early
+        slippery = dict(cold, friction=0 * problem["friction"])
         # normals with levers
         turning = dict(slippery, arm1=slippery["arm1"] + 0.1, arm2=slippery["arm2"] - 0.1)
         both, one_island = ["frictionless", "discs"], name + ", one island"
         of_sweeps = [row for solver in ("nlgs", "nesterov") for row in (
             ("frictionless", name, turning, both, solver), ("both", name, slippery, both, solver),
-            ("discs", name, slippery, ["discs"], solver))]
+            ("discs", name, slippery, ["discs"], solver),
+            ("discs, µ > 0", name, cold, ["discs"], solver))]
         of_sweeps += [("fixed", name, problem, ["fixed"], "nesterov"),
                       ("islands", one_island, problem, ["islands"], "nesterov")]
         for reduction, about, arrays, left_out, solver in of_sweeps:

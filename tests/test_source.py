@@ -72,14 +72,6 @@ def test_headers_of_yade_are_included_in_one_file():
     assert including == {"yadeHeaders.hpp"}
 
 
-def test_functors_read_no_other_contact():
-    """YADE's loop runs Ig2 functors in parallel: other threads assign geom and phys meanwhile."""
-    header = (PKG / "dem" / "contacts" / "prefetch.hpp").read_text()
-    (body,) = re.findall(r"^inline void prefetchPair\(.*?^}$", header, re.M | re.S)
-    assert "prefetchBody" in body
-    assert not re.findall(r"\b(?:geom|phys|isReal|prefetchContact)\b", body)
-
-
 def test_each_type_has_a_name_of_its_own():
     """The linker keeps one of two templates of a name, so two types `Pair` corrupt vectors."""
     names = [found[2] for path in CODE for line in lines(path)

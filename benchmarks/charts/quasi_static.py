@@ -91,7 +91,7 @@ def _set(test, setting):
     plain = change != tolerance
     solver.maxIterations, solver.solver = int(iterations), "nlgs" if plain else "auto"
     solver.tolerance = 1e-4 if plain else float(tolerance)
-    solver.tuning = dict(meanForceChange=float(change) if plain else 0)
+    solver.meanForceChange = float(change) if plain else 0
 
 
 def run(name, options):
@@ -131,7 +131,7 @@ def _row(test, folder, first, last):
                   packing_fraction=total("packing_fraction") / len(rows),
                   missed=(total("unconverged_steps") + total("yielded_steps"))
                   / (rows[-1]["step"] - rows[0]["step"]) * (1 - 1 / len(rows)))
-    if test.solver.tuning["meanForceChange"]:
+    if test.solver.meanForceChange:
         found["missed"] = math.nan  # steps may end above the tolerance
     return row | {name: float(value) for name, value in found.items()}
 

@@ -58,8 +58,7 @@ namespace {
 				StepBody& b     = step_.bodies[id];
 				b.alertDistance = alertDistance(b.shape, b.velocity, dt);
 				if (b.free) b.coveredPath = b.alertDistance;
-				step_.problem.freeVelocity[id]
-				        = accelerated(b.velocity, inertia(id), {}, gravity_, dt);
+				beginStep(step_, id, b.velocity, inertia(id), {}, gravity_);
 			}
 			ThreadTeam& team = workspace_.team();
 			StepResult  result;

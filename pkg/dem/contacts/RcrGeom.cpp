@@ -1,6 +1,5 @@
 #include "dem/contacts/RcrGeom.hpp"
 
-#include "dem/contacts/prefetch.hpp"
 #include "dem/contacts/sceneRules.hpp"
 #include "dem/shapes/planeConversion.hpp"
 
@@ -40,7 +39,6 @@ bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Sh
         const State& state1, const State& state2, const Vector3r& shift2, const bool& force,
         const shared_ptr<Interaction>& interaction)
 {
-	prefetchPair(*scene, interaction->linIx);
 	const rcr::PlanarShape one = plane::shapeOf(*shape1, state1, state2.pos.z()),
 	                       two = plane::shapeOf(*shape2, state2, state2.pos.z());
 	Vector3r shift = shift2;

@@ -83,8 +83,6 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 		arraySteps_->writeBack(*scene, team, handles_, step_);
 		throw;
 	}
-	// interactions near in space lie near in memory; results do not depend on their order
-	timed("sort", [&] { sortInteractions(*scene, handles_); });
 }
 
 void ContactDynamics::solveStep(const validation::Engines& engines)

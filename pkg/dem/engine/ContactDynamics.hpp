@@ -38,9 +38,6 @@ public:
 	// Python interface. Locks guard what a script may access during a run.
 	boost::python::dict        problemDict() const;
 	std::string                changeSinceStep() const;
-	boost::python::object      tuning() const;
-	void                       setTuning(const boost::python::object&);
-	static boost::python::list visibleNames(const boost::python::object& self);
 	boost::python::dict takeObserved() { return observer_.takeMeans(get<&ContactDynamics::observe>()); }
 	void                       endRun(const Scene& ended) { observer_.setLastPositions(ended); }
 	boost::python::list        takeObservations() { return observer_.takeIntervals(); }
@@ -95,7 +92,6 @@ public:
 		/* ctor */,
 		.add_property("solver",&ContactDynamics::get<&ContactDynamics::solver>,&ContactDynamics::set<&ContactDynamics::solver,std::string>,"Solver: auto (default), nesterov, exact, sor or nlgs.")
 		.add_property("observe",&ContactDynamics::get<&ContactDynamics::observe>,&ContactDynamics::set<&ContactDynamics::observe,std::vector<int>>,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
-		.add_property("tuning",&ContactDynamics::tuning,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a read-only mapping: lanes, arrays, meanForceChange. Assign a dict to change them.")
 		.add_property("missedSteps",&ContactDynamics::count<&rcr::StepCounts::missed>,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
 		.add_property("yieldedSteps",&ContactDynamics::count<&rcr::StepCounts::yielded>,"Number of steps so far in which contacts yielded.")
 		.add_property("deepestOverlap",&ContactDynamics::count<&rcr::StepCounts::deepest>,"Deepest overlap at the beginning of a step so far, over R₁ + R₂ [-]. Pairs of prescribed bodies and overlaps that overdamped steps remove do not count.")
@@ -106,7 +102,6 @@ public:
 		.def("_step_counts",&ContactDynamics::stepCounts,"Numbers of steps so far by outcome, deepest overlap, and largest error of missed steps, as a dict.")
 		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for ContactDynamics.save.")
 		.def("_change_since_step",&ContactDynamics::changeSinceStep,"Names what has changed since the last step, so that pos − O.dt vel is no longer a body's position at the beginning of that step. Before NewtonIntegrator has run, velocities differ too. Empty: no change, or O.iter is not that of the last step.")
-		.def("__dir__",&ContactDynamics::visibleNames)
 	);
 	// clang-format on
 	DECLARE_LOGGER;

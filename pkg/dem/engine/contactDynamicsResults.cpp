@@ -36,43 +36,6 @@ py::dict ContactDynamics::stepCounts() const
 	return counts;
 }
 
-static const std::vector<std::string> tuningNames { "lanes", "arrays", "meanForceChange" };
-
-/// A read-only mapping, since a change of one entry would have no effect.
-py::object ContactDynamics::tuning() const
-{
-	py::dict       tuning;
-	const py::dict all = pyDict();
-	for (const std::string& name : tuningNames)
-		tuning[name] = all[name];
-	return py::import("types").attr("MappingProxyType")(tuning);
-}
-
-void ContactDynamics::setTuning(const py::object& tuning)
-{
-	const py::dict given(tuning);
-	const py::list names = given.keys();
-	for (int k = 0; k < py::len(names); ++k) {
-		const std::string name = py::extract<std::string>(names[k]);
-		rcr::requireKnown("setting of ContactDynamics.tuning", name, tuningNames);
-		pySetAttr(name, py::object(given[name]));
-	}
-}
-
-/// The names of dir(), without the settings that `tuning` groups.
-py::list ContactDynamics::visibleNames(const py::object& self)
-{
-	const py::object all { py::handle<>(PyObject_CallMethod(
-		    reinterpret_cast<PyObject*>(&PyBaseObject_Type), "__dir__", "O", self.ptr())) };
-	py::list         visible;
-	for (int k = 0; k < py::len(all); ++k) {
-		const std::string name = py::extract<std::string>(all[k]);
-		if (std::find(tuningNames.begin(), tuningNames.end(), name) == tuningNames.end())
-			visible.append(name);
-	}
-	return visible;
-}
-
 std::string ContactDynamics::changeSinceStep() const
 {
 	// after O.load, Engine::scene is that of before until the first step

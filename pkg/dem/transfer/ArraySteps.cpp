@@ -1,6 +1,5 @@
 #include "dem/transfer/ArraySteps.hpp"
 
-#include "dem/contacts/prefetch.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/newContacts.hpp"
 
@@ -151,7 +150,6 @@ void ArraySteps::begin(const Scene& scene, rcr::ThreadTeam& team, const SceneHan
 	active_ = true, first_ = count_, firstEdges_ = scene.cell->hSize;
 	inertia_.resize(count), written_.resize(count), endVelocity_.resize(count);
 	team.forEach(count, [&](std::size_t id) {
-		prefetch<State>(handles.state[indexAhead(id, count)]);
 		const State* s = handles.state[id];
 		inertia_[id]   = s ? plane::inertiaOf(*s) : rcr::Inertia {};
 		if (s) written_[id] = motionOf(*s), endVelocity_[id] = plane::velocityOf(*s);
@@ -176,9 +174,7 @@ void ArraySteps::begin(const Scene& scene, rcr::ThreadTeam& team, const SceneHan
 	}
 	pairs_.manifold.resize(pairs_.all.size());
 	team.forEach(pairs_.all.size(), [&](std::size_t k) {
-		rcr::Pair&       pair  = pairs_.all[k];
-		const rcr::Pair& later = pairs_.all[indexAhead(k, pairs_.all.size())];
-		prefetch<CdPhys>(handles.sorted[later.handleIndex].phys);
+		rcr::Pair&    pair = pairs_.all[k];
 		const CdPhys& phys = *handles.sorted[pair.handleIndex].phys;
 		pair.pointCount    = phys.points;
 		pair.law           = phys.law();

@@ -1,6 +1,5 @@
 #include "dem/transfer/gather.hpp"
 
-#include "dem/contacts/prefetch.hpp"
 #include "dem/loads/CellStress.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "kernel/problem/list_by_key.hpp"
@@ -28,13 +27,7 @@ namespace {
 			handles_.bound.resize(count);
 			handles_.mayLackContacts.assign(count, false);
 			handles_.z = validation::planeOf(scene_);
-			team_.forEach(count, [&](Body::id_t id) {
-				if (id + 2 * prefetchAhead < count) {
-					prefetch<Body>(bodies[id + 2 * prefetchAhead].get());
-					prefetchBody(bodies[id + prefetchAhead].get());
-				}
-				gatherBody(id);
-			});
+			team_.forEach(count, [&](Body::id_t id) { gatherBody(id); });
 			step_.members.clear();
 			for (std::size_t id = 0; id < count; ++id) {
 				const int owner = step_.bodies[id].owner;
@@ -176,11 +169,11 @@ namespace {
 
 		/// Sorts contacts by body 1, then body 2: YADE's container changes its order when a scene is
 		/// reloaded.
-		void sort()
+		void sort(const std::vector<SceneHandles::Contact>& found)
 		{
 			std::vector<std::int32_t> first;
 			rcr::listByKey(step_.bodies.size(), first, handles_.sorted, [&](auto add) {
-				for (const SceneHandles::Contact& contact : handles_.found)
+				for (const SceneHandles::Contact& contact : found)
 					if (contact.points > 0) add(contact.id1, contact);
 			});
 			team_.forEach(step_.bodies.size(), [&](Body::id_t id) {
@@ -193,12 +186,9 @@ namespace {
 		void contacts()
 		{
 			InteractionContainer& interactions = *scene_.interactions;
-			handles_.found.resize(interactions.size());
-			team_.forEach(handles_.found.size(), [&](int k) {
-				prefetchContact(interactions, k);
-				handles_.found[k] = contactOf(*interactions[k]);
-			});
-			sort();
+			std::vector<SceneHandles::Contact> found(interactions.size());
+			team_.forEach(found.size(), [&](int k) { found[k] = contactOf(*interactions[k]); });
+			sort(found);
 			step_.contacts.resize(handles_.sorted.size());
 			int points = 0;
 			for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
@@ -208,13 +198,7 @@ namespace {
 				points += source.points;
 			}
 			step_.resizePoints(points);
-			team_.forEach(step_.contacts.size(), [&](std::size_t k) {
-				const SceneHandles::Contact& later
-				        = handles_.sorted[indexAhead(k, handles_.sorted.size())];
-				prefetch<RcrGeom>(later.geom);
-				prefetch<CdPhys>(later.phys);
-				gatherPoints(k);
-			});
+			team_.forEach(step_.contacts.size(), [&](std::size_t k) { gatherPoints(k); });
 		}
 
 		void gatherPoints(std::size_t number)

@@ -17,7 +17,7 @@ struct SceneHandles {
 		CdPhys*      phys        = nullptr;
 		Interaction* interaction = nullptr;
 		Body::id_t   id1 = 0, id2 = 0;
-		int          points = 0;
+		int          points = 0; // 0: not a contact of this law
 	};
 
 	std::vector<State*>       state; // per body; null: no body
@@ -25,8 +25,6 @@ struct SceneHandles {
 	// per body: the collider may not have listed all its contacts of this step
 	std::vector<char>         mayLackContacts;
 	PairExclusions            pairExclusions; // of the last step
-	// in the order of YADE's container; 0 points: not a contact of this law
-	std::vector<Contact>      found;
 	// by body 1, then body 2; StepContact::handleIndex is the index in this list
 	std::vector<Contact>      sorted;
 	Real                      z = 0; // height of the plane

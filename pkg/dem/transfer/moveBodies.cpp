@@ -1,5 +1,4 @@
 // Moves bodies and cell of steps in arrays, with the bits of YADE's NewtonIntegrator.
-#include "dem/contacts/prefetch.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/ArraySteps.hpp"
 #include "dem/transfer/scatter.hpp"

@@ -1,7 +1,6 @@
 // Writes the results of steps to YADE's objects.
 #include "dem/transfer/scatter.hpp"
 
-#include "dem/contacts/prefetch.hpp"
 #include "dem/shapes/planeConversion.hpp"
 #include "dem/transfer/ArraySteps.hpp"
 
@@ -123,7 +122,6 @@ static void requestCollider(
 	std::atomic<bool> out { false };
 	team.forEach(step.bodies.size(), [&](Body::id_t id) {
 		const Bound* bound = handles.bound[id];
-		prefetch<Bound>(handles.bound[indexAhead(id, step.bodies.size())]);
 		if (!bound) return;
 		const rcr::StepBody&     b = step.bodies[id];
 		const rcr::PlanarVector& v = step.problem.velocity[id];
@@ -179,17 +177,12 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::PlanarV
 {
 	addContacts(scene, handles, step);
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
-		const auto physOf = [&](std::size_t number) {
-			return handles.sorted[step.contacts[number].handleIndex].phys;
-		};
-		prefetch<CdPhys>(physOf(indexAhead(k, step.contacts.size())));
-		writeForces(step, step.contacts[k], *physOf(k));
+		const rcr::StepContact& contact = step.contacts[k];
+		writeForces(step, contact, *handles.sorted[contact.handleIndex].phys);
 	});
 	const double inverseDt = 1 / step.dt;
 	team.forEach(step.bodies.size(), [&](Body::id_t id) {
 		const rcr::StepBody& body = step.bodies[id];
-		if (!step.displacement.empty())
-			prefetch<State>(handles.state[indexAhead(id, step.bodies.size())]);
 		const rcr::PlanarVector& p = impulses[id];
 		if (p.x != 0 || p.y != 0 || p.rotation != 0) {
 			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(p.x, p.y, 0));
@@ -212,7 +205,6 @@ void ArraySteps::writeBack(
 	active_      = false;
 	scene.doSort = true; // the collider has not run during the steps in arrays
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
-		prefetch<State>(handles.state[indexAhead(id, step.bodies.size())]);
 		State* s = handles.state[id];
 		const rcr::StepBody& body = step.bodies[id];
 		if (!s || isSynced_[id] || body.owner != int(id)) return;
@@ -247,10 +239,6 @@ void ArraySteps::writeBack(
 			interaction[k] = &interactionOf(scene, pairs_.all[k]);
 	std::vector<SceneHandles::Contact> contacts(interaction.size());
 	team.forEach(interaction.size(), [&](std::size_t k) {
-		if (const Interaction* later = interaction[indexAhead(k, interaction.size())]) {
-			prefetch<RcrGeom>(later->geom.get());
-			prefetch<CdPhys>(later->phys.get());
-		}
 		if (!interaction[k]) return;
 		const rcr::Pair&     pair     = pairs_.all[k];
 		const rcr::Manifold& manifold = pairs_.manifold[k];
@@ -263,28 +251,6 @@ void ArraySteps::writeBack(
 		contacts[k].phys->rollingMoment = pair.pointCount == 1 ? pair.rollingMoment : 0;
 	});
 	handles.sorted.swap(contacts);
-}
-
-void sortInteractions(Scene& scene, const SceneHandles& handles)
-{
-	constexpr double most = 0.1; // fraction of contacts that may be out of order
-	std::size_t      back = 0, contacts = 0;
-	Body::id_t       last = 0;
-	for (const SceneHandles::Contact& contact : handles.found) {
-		if (contact.points == 0) continue;
-		const Body::id_t id = std::min(contact.id1, contact.id2);
-		back += id < last;
-		last = id;
-		++contacts;
-	}
-	if (double(back) <= most * double(contacts)) return;
-	InteractionContainer&             all = *scene.interactions;
-	const std::lock_guard<std::mutex> lock(all.drawloopmutex);
-	const auto ids = [](const Interaction& i) { return std::minmax({ i.getId1(), i.getId2() }); };
-	std::sort(all.begin(), all.begin() + all.size(),
-	        [&](const auto& a, const auto& b) { return ids(*a) < ids(*b); });
-	for (std::size_t k = 0; k < all.size(); ++k)
-		all[k]->linIx = k;
 }
 
 } // namespace yade

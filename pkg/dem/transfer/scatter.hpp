@@ -23,8 +23,4 @@ void deformCell(Cell&, const rcr::PeriodicCell& now, rcr::Vec2 strain);
 void scatter(Scene&, rcr::ThreadTeam&, const std::vector<rcr::PlanarVector>& impulses,
         SceneHandles&, rcr::Step&);
 
-/// Sorts YADE's interactions by bodies if many are out of order. Loops over interactions then find
-/// bodies in the cache.
-void sortInteractions(Scene&, const SceneHandles&);
-
 } // namespace yade

@@ -93,21 +93,26 @@ static Manifold wallContact(const PlanarShape& wall, Vec2 origin, const PlanarSh
 	return shadowOverlap(plane, stadiumOf(grain), corePose(grain, at), maxGap);
 }
 
+/// The manifold of both shapes, as of two grains.
+static Manifold manifoldOf(const PlanarShape& one, const Pose& at1, const PlanarShape& two,
+        const Pose& at2, double maxGap)
+{
+	if (one.kind == PlanarShape::wall) return wallContact(one, at1.center, two, at2, maxGap);
+	if (!one.core && !two.core)
+		return shadowOverlap(
+		        stadiumOf(one), corePose(one, at1), stadiumOf(two), corePose(two, at2), maxGap);
+	const Vec2 origin = at1.center; // coordinates of the order of the bodies
+	Manifold   result
+	        = polygonOverlap(coreOf(one, at1, origin), coreOf(two, at2, origin), maxGap);
+	for (ManifoldPoint& point : result.points)
+		point.position = origin + point.position;
+	return result;
+}
+
 Manifold contactPoints(const PlanarShape& one, const Pose& at1, const PlanarShape& two,
         const Pose& at2, double maxGap)
 {
-	Manifold result;
-	if (one.kind == PlanarShape::wall) {
-		result = wallContact(one, at1.center, two, at2, maxGap);
-	} else if (one.core || two.core) {
-		const Vec2 origin = at1.center; // coordinates of the order of the bodies
-		result = polygonOverlap(coreOf(one, at1, origin), coreOf(two, at2, origin), maxGap);
-		for (ManifoldPoint& point : result.points)
-			point.position = origin + point.position;
-	} else {
-		result = shadowOverlap(
-		        stadiumOf(one), corePose(one, at1), stadiumOf(two), corePose(two, at2), maxGap);
-	}
+	Manifold result = manifoldOf(one, at1, two, at2, maxGap);
 	if (!one.grain()) {
 		result.type = ContactType::obstacle;
 		if (!two.core) result.sortAlong(corePose(two, at2).axis);

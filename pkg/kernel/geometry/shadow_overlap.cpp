@@ -91,11 +91,6 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 {
 	if (!mayTouch(s1, at1, s2, at2, maxGap)) return {};
 	const Vec2 d = at2.center - at1.center;
-	if (s1.halfLength == 0 && s2.halfLength == 0) {
-		const double distance = norm(d);
-		const Facing centers { at1.center, at2.center, direction(d, perp(at1.axis)), distance };
-		return manifold(nullptr, 0, centers, s1.capRadius, s2.capRadius, maxGap, at1.axis);
-	}
 	const Vec2 core1 = s1.halfLength * at1.axis, core2 = s2.halfLength * at2.axis;
 	Facing     facing[4] = {
 		    project(at2.center - core2, at1.center, at1.axis, s1.halfLength, d),

@@ -127,7 +127,8 @@ bool isDriven(const ContactProblem& problem)
 		return (m.x == 0 && differs(common.x, v.x)) || (m.y == 0 && differs(common.y, v.y))
 		        || (m.rotation == 0 && v.rotation != 0);
 	};
-	return std::any_of(problem.points.begin(), problem.points.end(), [&](const ContactPoint& c) {
+	// backwards: walls are often the last bodies
+	return std::any_of(problem.points.rbegin(), problem.points.rend(), [&](const ContactPoint& c) {
 		return c.drift.x != 0 || c.drift.y != 0 || differsAt(c.body1) || differsAt(c.body2);
 	});
 }

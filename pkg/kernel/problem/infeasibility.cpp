@@ -49,10 +49,12 @@ struct Levers {
 double leverAmplification(
         const ContactProblem& problem, const std::vector<LocalVector>& d, double least)
 {
+	const auto isHinged = [](const InverseMass& m) { return !m.translates() && m.rotation > 0; };
+	if (std::none_of(problem.inverseMass.begin(), problem.inverseMass.end(), isHinged)) return 1;
 	std::vector<Levers> levers(problem.inverseMass.size()); // of hinged bodies
 	const auto          include = [&](int body, Vec2 arm, Vec2 normal) {
-        const InverseMass& m = problem.inverseMass[body];
-        if (!m.translates() && m.rotation > 0) levers[body].include(std::abs(cross(arm, normal)));
+        if (isHinged(problem.inverseMass[body]))
+			levers[body].include(std::abs(cross(arm, normal)));
 	};
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		if (!d.empty() && d[k].n <= least) continue;

@@ -4,35 +4,37 @@
 
 namespace rcr {
 
-IslandProblem::IslandProblem(const ContactProblem& whole, std::vector<std::int32_t> points)
+IslandProblem::IslandProblem(const ContactProblem& whole, std::vector<std::int32_t> points,
+        std::vector<std::int32_t>& numbers)
         : points_(std::move(points))
 {
-	bodies_.reserve(2 * points_.size());
-	problem.points.reserve(points_.size());
+	problem.points.reserve(points_.size()), problem.impulse.reserve(points_.size());
 	for (std::int32_t k : points_)
-		bodies_.insert(bodies_.end(), { whole.points[k].body1, whole.points[k].body2 });
+		for (std::int32_t id : { whole.points[k].body1, whole.points[k].body2 }) {
+			if (numbers[id] != unnumbered) continue;
+			numbers[id] = 0;
+			bodies_.push_back(id);
+		}
 	std::sort(bodies_.begin(), bodies_.end());
-	bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
 	for (std::int32_t id : bodies_) {
+		numbers[id] = std::int32_t(problem.inverseMass.size());
 		problem.inverseMass.push_back(whole.inverseMass[id]);
 		problem.freeVelocity.push_back(whole.freeVelocity[id]);
 		problem.velocity.push_back(whole.velocity[id]);
 		if (!whole.yielded.empty()) problem.yielded.push_back(whole.yielded[id]);
 	}
-	const auto number = [&](std::int32_t id) {
-		return std::int32_t(
-		        std::lower_bound(bodies_.begin(), bodies_.end(), id) - bodies_.begin());
-	};
 	for (std::int32_t k : points_) {
 		ContactPoint c = whole.points[k];
-		c.body1        = number(c.body1);
-		c.body2        = number(c.body2);
+		c.body1        = numbers[c.body1];
+		c.body2        = numbers[c.body2];
 		problem.points.push_back(c);
 		problem.impulse.push_back(whole.impulse[k]);
 		if (!whole.rollingImpulse.empty())
 			problem.rollingImpulse.push_back(whole.rollingImpulse[k]);
 		if (!whole.recoveryBias.empty()) problem.recoveryBias.push_back(whole.recoveryBias[k]);
 	}
+	for (std::int32_t id : bodies_)
+		numbers[id] = unnumbered;
 }
 
 void IslandProblem::store(ContactProblem& whole) const

@@ -35,14 +35,15 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		        || (settings.mayYield() && mayDiverge(island, settings))
 		        || hasPositiveCost(problem, first, last);
 	};
-	std::vector<Report> islands = std::move(report.islands);
-	bool                changed = false;
+	std::vector<Report>       islands = std::move(report.islands);
+	std::vector<std::int32_t> numbers(problem.inverseMass.size(), unnumbered);
+	bool                      changed = false;
 	for (std::size_t number = 0; number < islands.size(); ++number) {
 		Report&             island = islands[number];
 		const PointIterator first  = points.begin() + begin[number],
 		                    last   = points.begin() + begin[number + 1];
 		if (!needsMore(island, first, last)) continue;
-		IslandProblem part(problem, { first, last });
+		IslandProblem part(problem, { first, last }, numbers);
 		Workspace     own;
 		island = complete(part.problem, solver, settings, island, own);
 		part.store(problem);

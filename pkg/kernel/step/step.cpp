@@ -118,7 +118,8 @@ void Step::computePointForces(ThreadTeam& team)
 	const double inverseDt = 1 / dt;
 	team.forEach(force.size(), [&](std::size_t k) {
 		force[k]         = inverseDt * problem.impulse[k];
-		rollingMoment[k] = inverseDt * problem.rollingImpulse[k] * problem.points[k].rollingLength;
+		const double p   = problem.rollingImpulse[k];
+		rollingMoment[k] = p == 0 ? 0 : inverseDt * p * problem.points[k].rollingLength;
 	});
 }
 

@@ -61,19 +61,17 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	const std::vector<PackedPair>& pairs = layout_.pairs();
 	inverseGyration_.resize(problem.inverseMass.size());
 	inverseMass_.assign(layout_.records(), {});
-	team.forEach(problem.inverseMass.size(),
-	        [&](int i) { inverseGyration_[i] = inverseGyration(problem.inverseMass[i]); });
-	team.forEach(problem.inverseMass.size(),
-	        [&](int i) { loadBody(problem, i, layout_.record(i), layout_.hasHalfRecord(i)); });
+	team.forEach(problem.inverseMass.size(), [&](int i) {
+		const InverseMass& m     = problem.inverseMass[i];
+		const double       scale = inverseGyration_[i] = inverseGyration(m);
+		const int          at    = layout_.record(i);
+		inverseMass_[at] = { m.x, m.y, m.rotation / (scale * scale) };
+		loadBody(problem, i, at, layout_.hasHalfRecord(i));
+	});
 	team.forEach(pairs.size(), [&](int k) {
 		if (pairs[k].slot != none) fill(problem, pairs[k]);
 	});
 	freeBody_ = body_;
-	for (std::size_t i = 0; i < problem.inverseMass.size(); ++i) {
-		const InverseMass& m     = problem.inverseMass[i];
-		const double       scale = inverseGyration_[i];
-		inverseMass_[layout_.record(int(i))] = { m.x, m.y, m.rotation / (scale * scale) };
-	}
 	loadCell(problem);
 	overflow_.clear();
 	states_.assign(islands(), {});

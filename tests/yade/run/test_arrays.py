@@ -322,7 +322,7 @@ def see():
 @pytest.mark.parametrize("arrays", [True, False])
 def test_a_dead_solver_delays_no_engine(arrays):
     mixed()
-    solver().tuning = dict(arrays=arrays)
+    solver().arrays = arrays
     insert(3, rcr.ContactDynamics(dead=True), calls(see, 10))
     SEEN.clear()
     O.run(41, True)
@@ -568,16 +568,6 @@ def test_python_reads_everything_during_a_run():
     O.wait()
 
 
-def test_tuning_is_changed_as_a_whole():
-    """An entry of `tuning` cannot be set: the engine would not see the change."""
-    engine = rcr.ContactDynamics()
-    with pytest.raises(TypeError):
-        engine.tuning["arrays"] = False
-    engine.tuning = dict(arrays=False, lanes=4)
-    assert not engine.arrays and engine.tuning == dict(arrays=False, lanes=4, meanForceChange=0)
-    refused("setting .* 'reductions' is not known", setattr, engine, "tuning", dict(reductions=[]))
-
-
 def test_an_engine_begins_anew_in_another_scene():
     """Its means and its energies belong to one scene; YADE's account is that of the new one."""
     grain_on_floor(0, restitution=0.5, height=0.2)
@@ -624,7 +614,7 @@ def test_bits_when_bodies_become_unbounded():
     for arrays in True, False:
         build(rcr.wall("y", 0, 1, material=material(0.4)), rcr.disc((0, 0.1), 0.1, material(0.4)),
               rcr.disc((0, 0.35), 0.1, material(0.4)), **SOLVER)
-        solver().tuning = dict(arrays=arrays)
+        solver().arrays = arrays
         O.run(20, True)
         O.bodies[2].bounded = False
         O.run(300, True)

@@ -543,7 +543,7 @@ def test_an_erasure_of_pairs_that_the_collider_has_listed_is_refused():
 def test_a_scene_that_becomes_faulty_is_refused_at_its_next_contact():
     """One error; the scene continues after the fault is mended."""
     disc = grain_on_floor(0, height=0.3, tolerance=1e-4)
-    solver().tuning = dict(arrays=False)
+    solver().arrays = False
     insert(4, w.PyRunner(command="O.bodies[1].mat.frictionAngle = 2", iterPeriod=20, nDo=2))
     with pytest.raises(RuntimeError, match="rcr: body #.* has the friction angle 2"):
         O.run(400, True)
@@ -568,7 +568,7 @@ def test_an_obstacle_that_leaves_the_plane_in_a_run_is_refused(obstacle, match, 
     """The grain falls onto the floor after the obstacle has left."""
     grain_on_floor(0, height=0.3, tolerance=1e-4)
     O.bodies.append([obstacle(), *(rcr.disc((2 + 0.3 * k, 0.3), 0.1) for k in range(5))])
-    solver().tuning = dict(arrays=arrays)
+    solver().arrays = arrays
     insert(4, calls(lift, 20, nDo=2))
     with pytest.raises(RuntimeError, match=match):
         O.run(400, True)
@@ -677,7 +677,7 @@ def test_a_body_that_replaces_another_is_checked(arrays):
     """A PyRunner puts a rod in the place of a disc; the collider has no Bo1 functor for rods."""
     m = material()
     build(rcr.wall("y", 0, 1, material=m), rcr.disc((0, 0.1), 0.1, m), rcr.disc((1, 0.1), 0.1, m))
-    solver().tuning = {"arrays": arrays}
+    solver().arrays = arrays
     bounds = O.engines[1].boundDispatcher
     bounds.functors = [f for f in bounds.functors if not isinstance(f, rcr.Bo1_Rcr_Aabb)]
     insert(9, calls(replace_the_disc, 20, firstIterRun=20, nDo=1))

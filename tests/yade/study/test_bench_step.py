@@ -30,7 +30,7 @@ def test_checkpoint(tmp_path):
         parts = {row["engine"].removeprefix("ContactDynamics: "): float(row["ms"]) for row in rows
                  if row not in engines}
         assert set(parts) == {"gather", "layout", "solve", "forces", "lateContacts",
-                              "biasUpdate", "correct", "arrays", "writeBack", "scatter", "sort"}
+                              "biasUpdate", "correct", "arrays", "writeBack", "scatter"}
         assert sum(parts.values()) <= float(engines[ENGINES.index("ContactDynamics")]["ms"])
         assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"],
                 whole["threads"]) == ("scene", "20", "0.5", "7", "2")

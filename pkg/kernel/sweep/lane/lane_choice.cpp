@@ -9,7 +9,6 @@ namespace rcr {
 	namespace floats { extern const SweepKernels<float> kernels; }
 RCR_COMPILED(lanes1, single1)
 RCR_COMPILED(lanes4, single8)
-RCR_COMPILED(lanes8, single16) // two halves per lane without AVX-512
 #ifdef RCR_X86
 RCR_COMPILED(fma1, single_fma1) // one lane with FMA in hardware
 RCR_COMPILED(avx512, single_avx512)
@@ -36,9 +35,7 @@ namespace {
 #else
 		if (lanes == 1) return { lanes1::kernels, single1::kernels };
 #endif
-		if (lanes == 4) return { lanes4::kernels, single8::kernels };
-		// two AVX2 halves hide more latency than one register
-		return { lanes8::kernels, single16::kernels };
+		return { lanes4::kernels, single8::kernels };
 	}
 
 } // namespace

@@ -7,13 +7,13 @@ namespace rcr::RCR_LANE_NAMESPACE {
 namespace {
 
 	/// One sweep. next(point, lane, u) stores the new impulse and returns its change.
-	template <class M, int Points, class Next>
+	template <class M, class Next>
 	inline void sweepPairs(const PackedView& view, const Chunk& chunk, Next next)
 	{
 		forEachPair<M>(view, chunk,
 		        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
 			        auto v1 = M::load(at1), v2 = M::load(at2);
-			        for (int i = 0; i < Points; ++i) {
+			        for (int i = 0; i < chunk.pointsPerPair; ++i) {
 				        const auto c      = pointAt(point, i);
 				        const auto change = next(c, lane, M::velocity(c, lane, v1, v2));
 				        M::apply(c, lane, change, v1, v2);
@@ -27,10 +27,10 @@ namespace {
 	constexpr auto wholeSolution
 	        = [](const auto&, int, const auto&, const auto& solved) INLINE { return solved; };
 
-	template <class M, int Points, class NewImpulse>
+	template <class M, class NewImpulse>
 	NOINLINE void sweepAs(const PackedView& view, const Chunk& chunk, NewImpulse newImpulse)
 	{
-		sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
+		sweepPairs<M>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
 			const auto p = M::impulse(c, lane);
 			const auto q = newImpulse(c, lane, p, M::solve(c, lane, u, p));
 			M::set(c, lane, q);
@@ -40,24 +40,24 @@ namespace {
 
 	void sweep(const PackedView& view, const Chunk& chunk, double relaxation)
 	{
-		withModelAndPoints(chunk, [&](auto model, auto points) {
+		withModel(chunk, [&](auto model) {
 			using M            = decltype(model);
 			const auto relaxed = [by = L(Real(relaxation))](const auto& c, int lane, const auto& p,
 			                             const auto& solved) INLINE {
 				return M::project(c, lane, p + by * (solved - p));
 			};
-			relaxation == 1 ? sweepAs<M, points.value>(view, chunk, wholeSolution)
-			                : sweepAs<M, points.value>(view, chunk, relaxed);
+			relaxation == 1 ? sweepAs<M>(view, chunk, wholeSolution)
+			                : sweepAs<M>(view, chunk, relaxed);
 		});
 	}
 
-	template <class M, int Points, class NewImpulse>
+	template <class M, class NewImpulse>
 	NOINLINE double sweepMomentumAs(
 	        const PackedView& view, const Chunk& chunk, double momentum, NewImpulse newImpulse)
 	{
 		const L beta = Real(momentum);
 		Sum     change2;
-		sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
+		sweepPairs<M>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
 			const auto p = M::impulse(c, lane), last = p - M::oldImpulse(c, lane),
 			           y = addProduct(p, beta, last);
 			const auto q = newImpulse(c, lane, y, M::solve(c, lane, u, y));
@@ -81,10 +81,9 @@ namespace {
 			return (L(1.0) / (L(1.0) + compliance * scale)) * solved;
 		};
 		double change2 = 0;
-		withModelAndPoints(chunk, [&](auto model, auto points) {
+		withModel(chunk, [&](auto model) {
 			const auto sweep = [&](auto newImpulse) {
-				return sweepMomentumAs<decltype(model), points.value>(
-				        view, chunk, momentum, newImpulse);
+				return sweepMomentumAs<decltype(model)>(view, chunk, momentum, newImpulse);
 			};
 			change2 = yielding.compliance == 0 ? sweep(wholeSolution) : sweep(yielded);
 		});

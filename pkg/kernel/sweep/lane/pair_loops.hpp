@@ -25,15 +25,6 @@ namespace {
 		}
 	}
 
-	/// Calls work(model, points a pair) for the chunk.
-	template <class Work> inline void withModelAndPoints(const Chunk& chunk, Work work)
-	{
-		withModel(chunk, [&](auto model) {
-			chunk.pointsPerPair == 1 ? work(model, std::integral_constant<int, 1>())
-			                         : work(model, std::integral_constant<int, 2>());
-		});
-	}
-
 	// ---- the loops
 
 	/// Point i of those at `first`.

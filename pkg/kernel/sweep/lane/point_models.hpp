@@ -251,6 +251,7 @@ struct Frictionless : Normal {
 	}
 	static void apply(const Columns& c, int lane, L p, B& v1, B& v2)
 	{
+		if (RCR_LANES > 8) scheduleBarrier();
 		const L fx = p * L::load(c.nx() + lane), fy = p * L::load(c.ny() + lane);
 		v1.x    = subtractProduct(v1.x, v1.inverseMass, fx);
 		v1.y    = subtractProduct(v1.y, v1.inverseMass, fy);
