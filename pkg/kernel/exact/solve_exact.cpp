@@ -25,7 +25,7 @@ namespace {
 	constexpr int maxSweeps    = 1000; // before the exact steps; at most half of maxIterations
 	constexpr int repairSweeps = 300;  // after a fold; 100 to 1000 do as well
 	constexpr int pivotSweeps  = 20; // more sweeps per pivot of the path; they cost about a pivot
-	constexpr int maxPivots    = 2000; // of one path
+	constexpr int maxPivots    = 2000; // of one path; ten a point in slim islands if that is more
 
 	constexpr double leastFall = 0.7; // of ‖d‖ in a step that does not diverge [-]
 
@@ -85,13 +85,12 @@ namespace {
 
 	/// One proximal step about the present impulses.
 	PathEnd proximalStep(ContactProblem& problem, ProximalProblem& proximal,
-	        std::vector<ProximalParameter>& rho, int maxIterations)
+	        std::vector<ProximalParameter>& rho, int most)
 	{
 		proximal.setReference(problem);
 		for (std::size_t i = 0; i < proximal.size(); ++i)
 			proximal.stiffness[i] = rho[i].rho() / proximal.contacts[i].wnn;
-		const PathEnd end = followPath(
-		        proximal, std::min(maxPivots, std::max(maxIterations, 2) - 1));
+		const PathEnd end = followPath(proximal, most);
 		proximal.store(problem);
 		for (std::size_t i : end.unstable)
 			rho[i].stepFailed();
@@ -146,11 +145,14 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	Best         best      = iterate(report.errorEstimate);
 	Moved        last;
 	const auto left = [&] { return settings.maxIterations - report.iterations; };
+	const int  longestPath = swept.shape.slim() ? std::max(maxPivots, 10 * swept.shape.points)
+	                                            : maxPivots;
 	while (!best.meets(settings) && left() > 0) {
 		remember();
 		const std::vector<LocalVector> reference = problem.impulse;
 		const double  softest = softestParameter(rho);
-		const PathEnd end     = proximalStep(problem, proximal, rho, left() / cost);
+		const PathEnd end     = proximalStep(problem, proximal, rho,
+                        std::min(longestPath, std::max(left() / cost, 2) - 1));
 		report.iterations += cost * (1 + end.pivots);
 		if (mustYield()) return report.plusCostOf(swept);
 		updateVelocity(problem);

@@ -98,13 +98,15 @@ def test_rods_rest_on_a_coasting_cart(speed, mass_ratio):
 
 
 @pytest.mark.parametrize("beside", [False, True], ids=["alone", "beside a wall"])
-def test_a_stack_of_rods_stands(beside):
+@pytest.mark.parametrize("count", [500, 1000])
+def test_a_stack_of_rods_stands(count, beside):
     """The wall is 0.5 % R away and never touched."""
-    count, rough = 500, material(0.5)
+    rough = material(0.5)
     floor, *rest = build(*walls(rough, y=[0]), *walls(rough, x=[-1.005 * R] if beside else []),
                          *flat_rods(count), **DEFAULT)
     weight = count * O.bodies[rest[-1]].state.mass * G
-    each_step(40, lambda: pytest.approx(weight, rel=ACCURACY) == -O.forces.f(floor)[1]
+    each_step(40 if count < 1000 else 5,
+              lambda: pytest.approx(weight, rel=ACCURACY) == -O.forces.f(floor)[1]
               or pytest.fail(f"step {O.iter}: {-O.forces.f(floor)[1]} of {weight} N/m"))
     assert R * (count - 0.5) - O.bodies[rest[-1]].state.pos[1] < 1e-3 * R * O.time
 
