@@ -55,7 +55,8 @@ def record():
     stress = network.stress()
     mean = np.exp(2j * network.particles["angle"]).mean()  # an axis has no direction, hence 2
     plot.addData(strain=RATE * (O.time - start), shear=-stress[0, 1], normal=stress[1, 1],
-                 solid=1 - rcr.measure.porosity(), axis=math.degrees(0.5 * np.angle(mean)), order=abs(mean))
+                 solid=1 - rcr.measure.porosity(), axis=math.degrees(0.5 * np.angle(mean)),
+                 order=abs(mean))
     flow.compute(reset=False)
 
 
