@@ -24,6 +24,7 @@ import json
 import multiprocessing
 import os
 import shlex
+import signal
 
 os.environ["OMP_NUM_THREADS"] = "1"  # before NumPy is imported
 import matplotlib
@@ -93,9 +94,11 @@ def computed(letter, point, options):
     pipe, end = multiprocessing.Pipe(duplex=False)
     process = multiprocessing.get_context("fork").Process(
         target=work, args=(end, letter, point, options), daemon=True)
+    signal.pthread_sigmask(signal.SIG_BLOCK, script.SIGNALS)  # else `start` may lose the process
     process.start()
-    end.close()
     try:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, script.SIGNALS)
+        end.close()
         if pipe.poll(options.limit):
             return pipe.recv()
         status = f"{charts.GIVEN_UP}{options.limit:g} s"
@@ -103,6 +106,9 @@ def computed(letter, point, options):
     except EOFError:
         process.join()
         status = f"the process ended with code {process.exitcode}"
+    except KeyboardInterrupt:
+        process.kill()
+        raise
     finally:
         process.join()
     return [dict(status=status)]

@@ -1,7 +1,8 @@
 """Shears long grains in a periodic cell without walls.
 
-The cell shrinks to a dense state, then a velocity gradient shears it. The script records stresses,
-orientation and order of the long axes against the shear strain. It averages the velocity profile.
+The cell shrinks, then a velocity gradient shears it under a constant pressure across the flow: its
+height follows the grains. The script records stresses, solid fraction, and orientation and order of
+the long axes against the shear strain. It averages the velocity profile.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/periodic_shear.py
 Writes DIR/cell.png, DIR/shear.png (stresses and orientation against strain), DIR/velocity.png, and
@@ -23,7 +24,8 @@ options = script.options(__doc__)
 R, ETA = 0.01, 0.5
 SIDE, STRAIN = (7, 0.5) if options.quick else (14, 3.0)  # grains along an edge, shear strain
 RATE = 1.0  # shear rate [1/s]
-DENSE = 0.74  # solid fraction, below jamming because the area of the cell is constant
+DENSE = 0.74  # solid fraction at the end of the compression, below jamming
+PRESSURE = 1000  # σ_yy during the shear [Pa]: an inertial number of about 0.03
 
 draw = random.Random(4)
 rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.3)))
@@ -40,13 +42,12 @@ O.engines = [
     InsertionSortCollider([Bo1_Rcr_Aabb()], verletDist=0.1 * R, allowBiggerThanPeriod=True),
     InteractionLoop([Ig2_Rcr_Rcr_RcrGeom()], [Ip2_FrictMat_FrictMat_CdPhys()],
                     [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
-    ContactDynamics(tolerance=1e-4),
+    CellStress(stress=(math.nan, math.nan), label="load"),  # velGrad alone moves the cell
+    ContactDynamics(),
     NewtonIntegrator(damping=0),
     PyRunner(command="record()", iterPeriod=20, dead=True, label="recorder"),
 ]
 O.dt = 1e-3
-flow = rcr.Profile(cells=(1, 10))
-
 
 def record():
     """Store stresses (compression positive), and mean direction and order of the long axes."""
@@ -54,7 +55,8 @@ def record():
     stress = network.stress()
     mean = np.exp(2j * network.particles["angle"]).mean()  # an axis has no direction, hence 2
     plot.addData(strain=RATE * (O.time - start), shear=-stress[0, 1], normal=stress[1, 1],
-                 axis=math.degrees(0.5 * np.angle(mean)), order=abs(mean))
+                 solid=1 - rcr.measure.porosity(), axis=math.degrees(0.5 * np.angle(mean)),
+                 order=abs(mean))
     flow.compute(reset=False)
 
 
@@ -65,8 +67,12 @@ O.cell.velGrad = Matrix3(-squeeze, 0, 0, 0, -squeeze, 0, 0, 0, 0)
 steps = round(0.5 * math.log(DENSE / filled) / squeeze / O.dt)
 complete = rcr.advance(steps, "compression")
 
+# shear: the height of the cell changes; the profile lies in the cell at all times
+part = 0.8 * np.array(O.cell.size)[:2]
+flow = rcr.Profile(cells=(1, 10), limits=((0, 0), part))
 start = O.time
 recorder.dead = False
+load.stress = (math.nan, PRESSURE)
 O.cell.velGrad = Matrix3(0, RATE, 0, 0, 0, 0, 0, 0, 0)
 complete = complete and rcr.advance(round(STRAIN / RATE / O.dt), "shear")
 
@@ -91,6 +97,6 @@ ax.axline((0, 0), slope=1 / RATE, color="0.5", lw=0.8, zorder=0)  # the mean fie
 ax.figure.savefig(options.out / "velocity.png", dpi=150)
 late = data["strain"] > 0.5 * data["strain"][-1]
 mean = {name: column[late].mean() for name, column in data.items()}
-print(f"solid fraction {1 - rcr.measure.porosity():.3f}, "
+print(f"solid fraction {mean['solid']:.3f}, "
       f"stress ratio {mean['shear'] / mean['normal']:.2f}, "
       f"long axes at {mean['axis']:.0f}° from the flow, order {mean['order']:.2f}")

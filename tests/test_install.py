@@ -1,5 +1,6 @@
 """The installed package loads in plain python3 and YADE; or the analysis alone is installed."""
 
+import fnmatch
 import importlib.util
 import json
 import os
@@ -190,6 +191,22 @@ print(rcr.__file__, found.converged)
 """
     assert python(code, tmp_path, tmp_path / "site").split() == [
         str(tmp_path / "site" / "rcr" / "__init__.py"), "True"]
+
+
+def test_the_container_takes_what_the_clone_has():
+    """Its context has all sources, its commands are those of the page, and its port too."""
+    text, page = (ROOT / "Containerfile").read_text(), (ROOT / "docs/installation.md").read_text()
+    ignored = (ROOT / ".dockerignore").read_text().split()
+    sources = [words[-2] for words in map(str.split, re.findall("^COPY (.*)", text, re.M))]
+    assert sources == [".", "/yade-rcr/build/yade-rcr_*.deb", "examples/notebooks"]
+    assert (ROOT / sources[2]).is_dir() and "WORKDIR /yade-rcr\n" in text
+    needed = "CMakeLists.txt", "LICENSE", "cmake", "examples", "pkg", "py", "scripts"
+    assert all((ROOT / name).exists() for name in needed)
+    assert not [name for name in needed for pattern in ignored if fnmatch.fnmatch(name, pattern)]
+    made, run = re.findall(r"^RUN (scripts/.*)|^CMD \[\"(\S+)\"", text, re.M)
+    assert made[0] in page and run[1] == "jupyter-lab"
+    (port,) = re.findall(r"^EXPOSE (\d+)$", text, re.M)
+    assert set(re.findall(r"-p (\d+):(\d+)", text + page)) == {(port, port)}
 
 
 @needs_cmake

@@ -170,7 +170,7 @@ def with_approach(run, approach):
     (0.2, 0.1, [(0.1, 0.05), (-0.1, 0.06)], ["reached", "reached"], "is reached at η = 0 and 0.5"),
     (0.2, 0.1, [(0.1, 0.05), (-0.13, 0.06)], ["reached", "moves"],
      "is not reached at η = 0.5, where the anisotropy a<sub>c</sub> of the contacts still changes, "
-     "by -0.13 ± 0.06"),
+     "by −0.13 ± 0.06"),
     (0.1, 0.1, [(0, 0.1), (0, 0.1)], ["reached", "reached"], "is reached"),
     (0.09, 0.1, [(0, 0.1), (0, 0.1)], ["moves", "moves"],
      "is not claimed: the averages begin before the slow part of the test, which begins at a "

@@ -95,7 +95,7 @@ def _critical(runs, analysis):
     if etas[REACHED]:
         parts.append(f"is reached at {etas[REACHED]} as far as the fabric shows")
     if etas[MOVES]:
-        rows = [f"{change:+.2f} ± {error:.2f}" for state, change, error in zip(
+        rows = [_change(*row) for state, *row in zip(
             states.values(), value["a_c_drift"], value["a_c_drift_error"]) if state == MOVES]
         parts.append(f"is not reached at {etas[MOVES]}, where the anisotropy a<sub>c</sub> of the "
                      f"contacts still changes, by {' and '.join(rows)}")
@@ -183,6 +183,10 @@ def material(runs, analysis):
                      yielded_steps(runs), cost(runs)])
 
 
+def _change(value, error):
+    return f"{value:+.2f} ± {error:.2f}".replace("-", "−")
+
+
 def _drifts(names, analysis):
     """Describe the change of a_c over the networks."""
     value = analysis["O15"]["value"]
@@ -190,7 +194,7 @@ def _drifts(names, analysis):
     rows = [row for row in columns if np.isfinite(row[1])]
     if not rows:
         return "The change of a<sub>c</sub> over the strain is unknown: there are too few networks."
-    text = "; ".join(f"{name}: {change:+.2f} ± {error:.2f}" for name, change, error in rows)
+    text = "; ".join(f"{name}: {_change(*row)}" for name, *row in rows)
     return f"Change of a<sub>c</sub> over these strains: {text}."
 
 

@@ -41,6 +41,15 @@ def test_example(script, tmp_path):
 
 
 @pytest.mark.slow
+def test_the_periodic_cell_bears_its_pressure(tmp_path):
+    """Its picture shows forces that last, not the collisions of an instant."""
+    yade(tmp_path, "-n", "-x", FOLDER / "periodic_shear.py", "--quick", "--out", tmp_path)
+    table = np.genfromtxt(tmp_path / "shear.csv", delimiter=",", names=True)
+    normal = table["normal"][table["strain"] > 0.1]
+    assert normal.mean() == pytest.approx(1000, rel=0.03) and normal.std() < 0.1 * normal.mean()
+
+
+@pytest.mark.slow
 def test_a_batch_gives_the_results_of_single_runs(tmp_path):
     """Simultaneous jobs give the results of a single run with default parameters."""
     shutil.copy(FOLDER / "batch.py", tmp_path)

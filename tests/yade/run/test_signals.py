@@ -37,3 +37,17 @@ def test_a_solver_ends_at_once(number, tmp_path):
     process.send_signal(number)
     assert process.communicate(timeout=60) == ("", "solve.py: stopped\n")
     assert process.returncode == 128 + number and not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("number", signals.SIGNALS)
+def test_a_chart_ends_at_once(number, tmp_path):
+    """It does not wait for the process that computes a point; this point takes hours."""
+    command = [sys.executable, f"{SCRIPTS}/chart.py", "--charts", "c", "--particles", "20000",
+               "--out", tmp_path]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    children = pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    wait_until(children.read_text)
+    (child,) = children.read_text().split()
+    process.send_signal(number)
+    assert process.communicate(timeout=signals.PATIENCE)[1] == "chart.py: stopped\n"
+    assert process.returncode == 128 + number and not pathlib.Path(f"/proc/{child}").exists()

@@ -102,12 +102,20 @@ def test_the_wall_time_counts_all_sessions(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("eta", [0, 0.4, 0.7])
-@pytest.mark.parametrize("seed", range(1, 11))
-def test_small_packings_finish(eta, seed, tmp_path):
-    """100 grains up to a strain of 0.5: columns of grains lock between the platens."""
-    run(tmp_path / "out", "--particles", 100, "--eta", eta, "--seed", seed, "--strain", 0.5,
-        "--networks", 10, "--iterations", PROTOCOL.small_iterations)
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["strain"] == pytest.approx(0.5, abs=1e-3)
-    assert 0.6 < summary["packing_fraction_final"] < 0.9 and summary["max_overlap"] < 0.05
-    assert summary["records_left_out"] < 0.1 * summary["records"]
+def test_small_packings_finish(eta, tmp_path):
+    """100 grains up to a strain of 0.5: columns of grains lock between the platens.
+
+    A lock lasts a strain of 0.01 to 0.02. Whether a packing has one is chance: the time step, the
+    iterations and the seed change it. The share of such records is therefore that of ten packings.
+    """
+    records = left_out = 0
+    for seed in range(1, 11):
+        out = tmp_path / f"seed-{seed}"
+        run(out, "--particles", 100, "--eta", eta, "--seed", seed, "--strain", 0.5,
+            "--networks", 10, "--iterations", PROTOCOL.small_iterations)
+        summary = json.loads((out / "summary.json").read_text())
+        assert summary["strain"] == pytest.approx(0.5, abs=1e-3), seed
+        assert 0.6 < summary["packing_fraction_final"] < 0.9, seed
+        assert summary["max_overlap"] < 0.05, seed
+        records, left_out = records + summary["records"], left_out + summary["records_left_out"]
+    assert left_out < 0.03 * records
