@@ -21,7 +21,7 @@ from rcr.network import Network
 from rcr.study import compaction
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, HISTORY_COLUMNS
-from rcr.study.protocol import PROTOCOL, quick_averages
+from rcr.study.protocol import ONE_RATE, PROTOCOL, quick_averages
 from rcr.study.runs import Run
 from rcr.study.shear import largest_rate
 from common import complaint
@@ -619,3 +619,15 @@ def test_a_full_disk_leaves_complete_files(done):
     assert run.stderr.splitlines()[-1].startswith(f"biaxial.py: {done}")
     assert files(done) | {"run.json": before["run.json"]} == before
     script(*further)
+
+
+def test_default_settings_solve_nearly_all_steps_of_a_slow_shear():
+    """Contacts change before the velocity errors of a step add up to overlaps."""
+    test = Biaxial.prepare(eta=0, particles=300, seed=1, **ONE_RATE)
+    test.compact()
+    test.solver.maxIterations = rcr.ContactDynamics().maxIterations
+    before, start = test.solver.missedSteps, O.iter
+    while not test.has_reached(0.01):
+        test.shear_record()
+    assert test.solver.missedSteps - before < 0.1 * (O.iter - start)
+    assert test.solver.deepestOverlap < 5e-3
