@@ -30,7 +30,7 @@ from rcr.study.protocol import PROTOCOL
 O = Omega()
 NAMES = "beta_n", "weak_fraction", "a_c_half", "a_c_weak", "c_f_lr", "friction_mobilization"
 TITLES = {name: quasi_static.OBSERVED[name] for name in (*NAMES, "sin_phi")} | dict(
-    tiny_share="share of forces below a tenth of the mean")
+    tiny_share="share of forces below ⟨f⟩/10")
 COLUMNS = "eta particles seed strain error estimate missed sweeps seconds force_change".split() + [
     *TITLES]
 DEPENDS = "quick", "particles", "protocol"
@@ -133,8 +133,8 @@ def _differences(rows, name):
 
 def ratios(rows):
     """Table of the observables and of their changes with the error of the steps."""
-    yield ["η", "error of a step", "sweeps a step", "missed steps", "change of forces",
-           *TITLES.values()]
+    yield ["η", "error of a step", "estimate", "sweeps a step", "missed steps",
+           "change of forces", *TITLES.values()]
     for eta in ETAS:
         chosen = [row for row in rows if row["eta"] == eta]
         if not chosen:
@@ -144,8 +144,10 @@ def ratios(rows):
             mean = lambda name: np.mean([row[name] for row in of])
             cells = [_mean(chosen, error, name) for name in TITLES]
             label = error if error in LIMITS else f"{100 * error:g} %"
-            yield [f"{eta:g}", label, f"{mean('sweeps'):.0f}", f"{100 * mean('missed'):.0f} %",
-                   f"{mean('force_change'):.2g}", *cells]
+            estimate = np.median([row["estimate"] for row in of])
+            known = f"{100 * estimate:.0f} %" if estimate < 1 else "unknown"
+            yield [f"{eta:g}", label, known, f"{mean('sweeps'):.0f}",
+                   f"{100 * mean('missed'):.0f} %", f"{mean('force_change'):.2g}", *cells]
 
 
 def _mean(rows, error, name):

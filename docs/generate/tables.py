@@ -245,6 +245,9 @@ TABLES = {
     "estimate": lambda: ratios("g", "g-estimate"),
     "known-forces": lambda: ratios("h", "h-known-forces", lambda row: row[1] in ("nlgs", "auto")),
     "size": lambda: ratios("f", "f-size"),
+    "accuracy": lambda: ratios("i", "i-accuracy", columns=[
+        "η", "error of a step", "estimate", "sweeps a step", "missed steps", "change of forces",
+        "β_n", "a_c(ξ = 0.5)", "a_c(ξ = 1)", "I_M", "sin φ"]),
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
     quasi_static, sloshing, step_threads, parallel, points_of_sides, driven_scenes, meetings,
