@@ -13,6 +13,7 @@ Each module of this package is a chart:
 `status` is 'ok', or the reason why a row has no numbers. Times are processor time of one thread.
 """
 
+import contextlib
 import dataclasses
 import importlib
 import os
@@ -99,11 +100,11 @@ class Table:
 
 
 def number(cell):
-    """A cell of a CSV as a float, or as its text if it is no number."""
-    try:
-        return float(cell)
-    except ValueError:
-        return cell
+    """A cell of a CSV as an int or a float, or as its text if it is no number."""
+    for kind in int, float:
+        with contextlib.suppress(ValueError):
+            return kind(cell)
+    return cell
 
 
 def add_legend(figure, **style):

@@ -194,7 +194,8 @@ def announce(tests, options, threads):
     begun = sum(test.has_checkpoint and not test.is_complete for test in tests)
     resumed = f", {begun} resumed" if begun else ""
     at_once = min(left, options.jobs // threads)
-    show(f"{len(tests)} tests of {options.particles} grains to a strain of {options.strain:g}, "
+    count = f"{len(tests)} test{'s' if len(tests) > 1 else ''}"
+    show(f"{count} of {options.particles} grains to a strain of {options.strain:g}, "
          f"{len(tests) - left} complete{resumed}; {at_once} at a time, then analysis, figures, "
          "report")
 

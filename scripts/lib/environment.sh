@@ -135,6 +135,8 @@ need_space() {
 enter() {
     # Threads of OpenMP that wait must leave the processors to the threads of the solver.
     export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
+    # UCX, which YADE loads with MPI, would take SIGHUP as its debug signal.
+    export UCX_DEBUG_SIGNO=${UCX_DEBUG_SIGNO:-0}
     # $repo is for the package `benchmarks`.
     export PYTHONPATH="$repo/py:$("${way}_yade_python")${PYTHONPATH:+:$PYTHONPATH}:$repo"
     # A shell without job control starts commands in the background with Ctrl-C ignored.

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import (Colormap, ListedColormap, Normalize, is_color_like, to_rgba,
                                to_rgba_array)
+from matplotlib.ticker import MaxNLocator
 
 from rcr._data import checks
 from rcr._pictures.drawing import GRAIN
@@ -25,7 +26,7 @@ class Scale:
     values: object  # function of a Frame, returns (N,)
     cmap: object = "viridis"  # a Colormap of Matplotlib, or its name
     range: tuple = None  # None: from the smallest to the largest number
-    ticks: tuple = None
+    ticks: object = None  # tuple, or a Locator of Matplotlib
 
 
 def _orientation(frame):
@@ -42,6 +43,7 @@ def _chain_length(frame):
 
 
 ANGLES = (0, 45, 90, 135, 180)
+WHOLE = MaxNLocator(5, steps=[1, 2, 5, 10], integer=True)
 SCALES = dict(
     orientation=Scale("angle from $x$ [°]", _orientation, HUES, (0, 180), ANGLES),
     speed=Scale("speed [m/s]", lambda f: np.hypot(*f.velocities()[:, :2].T)),
@@ -50,8 +52,8 @@ SCALES = dict(
     pressure=Scale("pressure in the grain [Pa]",
                    lambda f: 0.5 * np.einsum("naa->n", f.grain_stresses()), "magma_r"),
     contacts=Scale("number of contacts with a force",
-                   lambda f: f.per_grain(f.normal_force() > 0), "YlGnBu"),
-    chain=Scale("grains in the force chain", _chain_length, "autumn_r"))
+                   lambda f: f.per_grain(f.normal_force() > 0), "YlGnBu", ticks=WHOLE),
+    chain=Scale("grains in the force chain", _chain_length, "autumn_r", ticks=WHOLE))
 CATEGORIES = dict(type="Rcr, disc, polygon, member of a clump",
                   shape="the colours of YADE's view, `particle(…, color=…)`")
 
