@@ -4,6 +4,7 @@ The cases are those of tests/endurance/signals.py, here inside the environment.
 """
 
 import pathlib
+import signal
 import subprocess
 import sys
 
@@ -51,3 +52,14 @@ def test_a_chart_ends_at_once(number, tmp_path):
     process.send_signal(number)
     assert process.communicate(timeout=signals.PATIENCE)[1] == "chart.py: stopped\n"
     assert process.returncode == 128 + number and not pathlib.Path(f"/proc/{child}").exists()
+
+
+def test_hangup_ends_a_scene_before_its_import(tmp_path):
+    """Libraries of YADE must leave the signal alone."""
+    (tmp_path / "scene.py").write_text("import time\nprint('ready', flush=True)\n"
+                                       "time.sleep(100)\nimport rcr\n")
+    process = subprocess.Popen([f"{SCRIPTS}/yade-rcr", "-n", "-x", tmp_path / "scene.py"],
+                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    assert any(line == "ready\n" for line in process.stdout)
+    process.send_signal(signal.SIGHUP)
+    assert process.wait(60) in (-signal.SIGHUP, 128 + signal.SIGHUP)
