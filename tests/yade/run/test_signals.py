@@ -58,7 +58,8 @@ def test_hangup_ends_a_scene_before_its_import(tmp_path):
     """Libraries of YADE must leave the signal alone."""
     (tmp_path / "scene.py").write_text("import time\nprint('ready', flush=True)\n"
                                        "time.sleep(100)\nimport rcr\n")
-    command = [f"{SCRIPTS}/yade-rcr", "-n", "-x", tmp_path / "scene.py"]
+    command = ["env", "--default-signal=HUP", f"{SCRIPTS}/yade-rcr", "-n", "-x",
+               tmp_path / "scene.py"]  # nohup ignores the signal
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                           text=True) as process:
         assert any(line == "ready\n" for line in process.stdout)
