@@ -44,6 +44,12 @@ assert O.bodies[0].state.pos[0] == O.iter * O.dt, "not a whole step"
 open("result", "w").write(f"{going}")
 """
 PLAIN = SCENE + "O.run(10**9, True)\n"
+EARLY = """
+import time
+open("ready", "w").close()
+time.sleep(100)
+import rcr
+"""
 TEST = "--eta 0.5 --particles 60 --seed 2 --strain 0.3 --networks 40".split()
 CAMPAIGN = "--jobs 1 --particles 60 --etas 0.5 --seeds 2 --strain 0.3 --networks 40".split()
 
@@ -111,6 +117,14 @@ def plain_run_ends(folder, number):
         assert code == 128 + number, code
         assert errors.splitlines()[-1] == f"yade-rcr: ended by {signal.Signals(number).name}"
     assert not temporary.exists()
+
+
+def hangup_ends_the_start(folder):
+    """A library of YADE must not take SIGHUP before the script imports rcr."""
+    (folder / "scene.py").write_text(EARLY)
+    process = started(folder, [*YADE, "scene.py"], "ready")
+    process.send_signal(signal.SIGHUP)
+    assert ended(process)[0] == 128 + signal.SIGHUP
 
 
 def timeout_stops_once(folder):
@@ -246,6 +260,7 @@ def scene_cases():
         yield f"advance-{name}", lambda folder, n=number: advance_stops(folder, n)
         yield f"plain-{name}", lambda folder, n=number: plain_run_ends(folder, n)
         yield f"background-{name}", lambda folder, n=number: background_shell_stops(folder, n)
+    yield "early SIGHUP", hangup_ends_the_start
     yield "timeout", timeout_stops_once
     yield "nohup", nohup_goes_on
     yield "Ctrl-C", lambda folder: terminal_stops(folder, b"\x03")
@@ -257,6 +272,7 @@ def main():
     cases = dict(scene_cases())
     if sys.argv[2:]:
         YADE[0] = sys.argv[2]
+        del cases["early SIGHUP"]  # only the environment of the scripts keeps it from UCX
     else:
         cases.update(biaxial=lambda at: biaxial_resumes(at, bytes_of),
                      campaign=lambda at: campaign_resumes(at, bytes_of))

@@ -44,7 +44,8 @@ inline Measures measuresOf(LocalVector p, LocalVector u, double bias, double fri
 	const double stopping = (std::abs(u.n) + std::abs(bias)) / wnn;
 	const double energy   = wnn >= leastResponse ? wnn : 0;
 	return { error2, square(p), p.n, wnn * wnn * error2, stopping * stopping,
-		-dot(p, { un, u.t }), std::sqrt(std::abs(u.n) + std::abs(u.t)), energy * error2, energy * square(p) };
+		-dot(p, { un, u.t }), std::sqrt(std::abs(u.n) + std::abs(u.t)), energy * error2,
+		energy * square(p) };
 }
 
 /// Terms of the rolling resistance of a point: d_r = p_r − (p_r − u_r/w_rr clamped to ±most).

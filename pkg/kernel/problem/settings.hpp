@@ -31,7 +31,7 @@ struct Tolerances {
 	/// 1e-3 already at a residual of 1e-2. 0: not used.
 	double meanForceChange = 0;
 
-	/// Returns true if residual, velocity error and estimated error meet their limits. Tolerance 0 is
+	/// Returns true if residual, drift and estimated error meet their limits. Tolerance 0 is
 	/// never met.
 	bool areMet(double residual, double drift, double errorEstimate) const
 	{

@@ -35,7 +35,7 @@ struct Report {
 	IslandShape         shape;   // of an island
 	std::vector<Report> islands; // of each island
 
-	/// Returns true if the residual and the velocity error meet their tolerances. Tolerance 0 is
+	/// Returns true if the residual and the drift meet their tolerances. Tolerance 0 is
 	/// never met.
 	bool meetsResidual(const Settings& s) const { return s.areMet(residual, drift, 0); }
 

@@ -4,7 +4,6 @@ The cases are those of tests/endurance/signals.py, here inside the environment.
 """
 
 import pathlib
-import signal
 import subprocess
 import sys
 
@@ -52,16 +51,3 @@ def test_a_chart_ends_at_once(number, tmp_path):
     process.send_signal(number)
     assert process.communicate(timeout=signals.PATIENCE)[1] == "chart.py: stopped\n"
     assert process.returncode == 128 + number and not pathlib.Path(f"/proc/{child}").exists()
-
-
-def test_hangup_ends_a_scene_before_its_import(tmp_path):
-    """Libraries of YADE must leave the signal alone."""
-    (tmp_path / "scene.py").write_text("import time\nprint('ready', flush=True)\n"
-                                       "time.sleep(100)\nimport rcr\n")
-    command = ["env", "--default-signal=HUP", f"{SCRIPTS}/yade-rcr", "-n", "-x",
-               tmp_path / "scene.py"]  # nohup ignores the signal
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                          text=True) as process:
-        assert any(line == "ready\n" for line in process.stdout)
-        process.send_signal(signal.SIGHUP)
-    assert process.returncode in (-signal.SIGHUP, 128 + signal.SIGHUP)
