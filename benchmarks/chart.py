@@ -44,7 +44,7 @@ def arguments():
     add("--out", type=script.folder, required=True, metavar="DIR",
         help="folder of the charts, made if missing")
     add("--charts", nargs="+", choices=list(charts.NAMES), default=list("abcdgh"), metavar="C",
-        help="some of a to i (default: all but e, f and i; e needs --limit 3600, f and i 7200)")
+        help="some of a to j (default: all but e, f, i and j; e needs --limit 3600, f, i and j 7200)")
     add("--quick", action="store_true",
         help="smaller packings, fewer points: up to ten minutes on two cores")
     add("--only", metavar="POINT",

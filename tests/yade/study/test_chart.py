@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from benchmarks import chart, charts
 from benchmarks import true_error
-from benchmarks.charts import (biaxial_cost, deterministic, estimate, known_forces, one_step,
-                               quasi_static, size)
+from benchmarks.charts import (biaxial_cost, deterministic, estimate, known_forces, large_packings,
+                               one_step, quasi_static, size)
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
 from rcr.study.shear import switch_to_springs
@@ -126,6 +126,18 @@ def test_where_methods_fail():
         header, *lines = known_forces.ratios([right, wrong])
         assert [scene in line[0] for line in lines] and all(len(line) == 3 for line in lines)
     assert len(known_forces.plot([dict(right, status="ok")], OPTIONS).axes) == 10
+
+
+def test_errors_of_a_packing_fall_with_the_sweeps(tmp_path, monkeypatch):
+    monkeypatch.setattr(large_packings, "MOST", 50_000)
+    rows = large_packings.run("60/0.7", options(tmp_path))
+    for start in "warm", "cold":
+        first, *_, last = (row for row in rows if row["method"] == "nesterov"
+                           and row["start"] == start)
+        assert all(last[name] < 0.5 * first[name] for name in large_packings.ERRORS)
+    header, *lines = large_packings.ratios(rows)
+    assert len(lines) == len(rows) and all(len(line) == len(header) for line in lines)
+    assert len(large_packings.plot([dict(row, status="ok") for row in rows], OPTIONS).axes) == 2
 
 
 def test_estimates_of_a_column_and_their_table():
