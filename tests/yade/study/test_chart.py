@@ -134,7 +134,9 @@ def test_errors_of_a_packing_fall_with_the_sweeps(tmp_path, monkeypatch):
     for start in "warm", "cold":
         first, *_, last = (row for row in rows if row["method"] == "nesterov"
                            and row["start"] == start)
-        assert all(last[name] < 0.5 * first[name] for name in large_packings.ERRORS)
+        assert last["forces"] < 0.5 * first["forces"]  # which are not unique
+        assert all(last[name] < 1e-3 * first[name]
+                   for name in ("velocities", "cells_8", "cells_2"))
     header, *lines = large_packings.ratios(rows)
     assert len(lines) == len(rows) and all(len(line) == len(header) for line in lines)
     assert len(large_packings.plot([dict(row, status="ok") for row in rows], OPTIONS).axes) == 2
