@@ -139,7 +139,7 @@ def test_errors_of_a_packing_fall_with_the_sweeps(tmp_path, monkeypatch):
                    for name in ("velocities", "cells_8", "cells_2"))
     header, *lines = large_packings.ratios(rows)
     assert len(lines) == len(rows) and all(len(line) == len(header) for line in lines)
-    assert len(large_packings.plot([dict(row, status="ok") for row in rows], OPTIONS).axes) == 2
+    assert len(large_packings.plot([dict(row, status="ok") for row in rows], OPTIONS).axes) == 1
 
 
 def test_estimates_of_a_column_and_their_table():
