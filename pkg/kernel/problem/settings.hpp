@@ -40,11 +40,19 @@ struct Tolerances {
 	}
 };
 
+/// When sweeps give up: the residual has met its tolerance and other criteria have not, or its
+/// trend takes too long to it.
+struct Trend {
+	int from       = 0; // sweeps before the test; 0: no test
+	int mostSweeps = 0; // that the trend may take
+};
+
 struct Settings : Tolerances {
 	int maxIterations = 1000; // sweeps over all points
 	int minIterations = 0;    // sweeps before any other criterion may stop the solver
 	int checkInterval = 10;   // sweeps between two evaluations of the stop criteria
 	int stallSweeps   = 0;    // stops after so many sweeps without a new lowest residual; 0: never
+	Trend trend;
 	int threads       = 1;
 	int lanes         = 0; // kernels: scalar (1), AVX2 (4), the processor's widest (8, 0)
 

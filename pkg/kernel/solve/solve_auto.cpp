@@ -4,28 +4,27 @@
 
 namespace rcr {
 
-constexpr int    leastPatience = 300; // lower bound of patience()
-constexpr int    exactIterations = 10; // exact iterations that cost as much as patience()
+constexpr int    firstSweeps  = 300; // of a small problem, before it may give up
+constexpr int    stallIterations = 30, trendIterations = 50; // exact ones that sweeps may cost
 constexpr int    fineProblem  = 250;  // points; solved beyond the goal of a packing with friction
-constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
+constexpr double sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
 constexpr int    maxFineWork = 15000; // most exact iterations × points beyond the goal of an island
 constexpr int    slimSweeps  = 50; // of slim islands before exact steps, or half the diameter
 constexpr double slimAim = 0.1; // of the accuracy: errors of successive steps add up
 constexpr int    moreIterations = 3; // per point and maxIterations, for slim islands at rest
 
-/// Sweeps without a new lowest residual after which exact steps pay off. Measured: an exact
-/// iteration costs 20 sweeps at 1000 points and 220 at 25 000.
-static int patience(std::size_t points)
+/// Cost of exact iterations [sweeps]. Measured for one: 20 at 1000 points, 220 at 25 000.
+static int sweepsFor(int exactIterations, int points)
 {
-	const double size = std::pow(double(points) / smallProblem, 0.75);
-	return std::max(leastPatience, int(exactIterations * sweepsPerExact * size));
+	const double size = std::pow(std::max(1.0, double(points) / smallProblem), 0.75);
+	return int(exactIterations * sweepsPerExact * size);
 }
 
 Settings firstSweepsOfAuto(const Settings& settings, const IslandShape& shape)
 {
 	if (settings.tolerance == 0 || shape.rolls) return settings.forGoalOf(shape);
 	Settings sweeps    = settings;
-	sweeps.stallSweeps = patience(shape.points);
+	sweeps.stallSweeps = sweepsFor(stallIterations, shape.points);
 	if (shape.slim()) {
 		sweeps.accuracy *= slimAim;
 		sweeps.maxIterations = std::min(
@@ -34,7 +33,7 @@ Settings firstSweepsOfAuto(const Settings& settings, const IslandShape& shape)
 	}
 	if (shape.points > fineProblem) sweeps.accuracy = shape.goal(settings.accuracy);
 	if (shape.points <= smallProblem)
-		sweeps.maxIterations = std::min(leastPatience, settings.maxIterations);
+		sweeps.trend = { firstSweeps, sweepsFor(trendIterations, shape.points) };
 	return sweeps;
 }
 
@@ -66,7 +65,7 @@ Report continueAuto(ContactProblem& problem, const Settings& settings, const Rep
 			fineIterations = std::min(left(), maxFineWork / points);
 			if (left() > fineIterations && !report.meets(goal)) {
 				Settings sweeps      = goal;
-				sweeps.stallSweeps   = patience(points);
+				sweeps.stallSweeps   = sweepsFor(stallIterations, points);
 				sweeps.maxIterations = left() - fineIterations;
 				report               = solveNesterov(problem, sweeps, workspace).plusCostOf(report);
 			}

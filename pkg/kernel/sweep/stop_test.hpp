@@ -1,6 +1,8 @@
 // The stop test of all sweep solvers.
 #pragma once
 
+#include <cmath>
+
 #include "problem/settings.hpp"
 
 namespace rcr {
@@ -21,7 +23,7 @@ struct Criteria {
 
 /// Counts sweeps. From `minIterations` on, it evaluates the criteria every `checkInterval` sweeps.
 /// Sweeps must stop if the criteria are met, or after `maxIterations`. They also stop if the
-/// residual has had no new minimum in `stallSweeps` sweeps.
+/// residual has had no new minimum in `stallSweeps` sweeps, or if its trend misses the tolerance.
 class StopTest {
 public:
 	explicit StopTest(const Settings& settings) : settings_(settings) { }
@@ -34,7 +36,8 @@ public:
 		if (sweeps_ >= settings_.minIterations
 		        && (early || sweeps_ % settings_.checkInterval == 0)) {
 			criteria_ = measure();
-			if (criteria_.met(settings_) || stalled()) return true;
+			lowestBy_.push_back(std::min(criteria_.residual, lowest_));
+			if (criteria_.met(settings_) || stalled() || trendMisses()) return true;
 		}
 		++sweeps_;
 		return false;
@@ -54,8 +57,20 @@ private:
 		return settings_.stallSweeps > 0 && sweeps_ - lowestAt_ >= settings_.stallSweeps;
 	}
 
+	/// The trend is the fall of the residual since half as many sweeps.
+	bool trendMisses() const
+	{
+		const Trend& trend = settings_.trend;
+		if (trend.from == 0 || sweeps_ < trend.from) return false;
+		if (lowest_ <= settings_.tolerance) return true;
+		const double before = lowestBy_[lowestBy_.size() / 2], fall = std::log(before / lowest_);
+		const double ahead  = std::log(lowest_ / settings_.tolerance) * 0.5 * sweeps_;
+		return !(ahead <= trend.mostSweeps * fall);
+	}
+
 	Settings settings_;
 	Criteria criteria_;
+	std::vector<double> lowestBy_; // lowest residual up to each evaluation
 	double   lowest_ = std::numeric_limits<double>::infinity(); // residual
 	int      sweeps_ = 0, lowestAt_ = 0;
 };
