@@ -1,11 +1,13 @@
 """Parts of tests: refusals, warnings, processes, waiting, stand-ins for other programs."""
 
 import contextlib
+import inspect
 import json
 import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 
 
@@ -54,3 +56,29 @@ def answer(path, **outcome):
     path.write_text(f"#!/bin/sh\necho a line of its own\necho '{json.dumps(outcome)}'\n")
     path.chmod(0o755)
     return path
+
+
+def numpy_scalars(value, name=""):
+    """Names of the parts of a result that print as np.float64(…), within containers and objects."""
+    if isinstance(value, np.generic) or isinstance(value, np.ndarray) and value.ndim == 0:
+        return [f"{name} = {value!r}"]
+    if isinstance(value, dict):
+        parts = [*value.items(), *((f"key {key}", key) for key in value)]
+    elif isinstance(value, (list, tuple)):
+        parts = zip(getattr(value, "_fields", range(len(value))), value)
+    elif type(value).__module__.startswith("rcr") and hasattr(value, "__dict__"):
+        parts = vars(value).items()
+    else:
+        parts = ()
+    return [found for key, part in parts for found in numpy_scalars(part, f"{name}.{key}")]
+
+
+def public_results(item, without=(), **arguments):
+    """{name: public attribute, or result of the public method} of an object, except `without`.
+
+    `arguments` are those of methods that need some, by name.
+    """
+    names = [name for name, _ in inspect.getmembers(type(item)) if not name.startswith("_")]
+    found = {name: getattr(item, name) for name in names if name not in without}
+    return {name: value(*arguments.get(name, ())) if callable(value) else value
+            for name, value in found.items()}

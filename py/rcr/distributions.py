@@ -10,6 +10,7 @@ import numpy as np
 
 from rcr import statistics
 from rcr._data import checks
+from rcr._data.plain import plain
 
 LEAST_FORCE = 1e-4  # lower end of the bins of forces over their mean; rounding hides smaller forces
 POWER_RANGE = 0.01  # least force of the fit of β over the mean; the tolerance hides smaller forces
@@ -92,7 +93,8 @@ def exponents(force, low=POWER_RANGE):
 
     α is fitted to the forces above the mean, β to those from `low` of it up to it.
     """
-    return Exponents(*statistics.exponential_rate(force), *statistics.power_exponent(force, low))
+    rate, power = statistics.exponential_rate(force), statistics.power_exponent(force, low)
+    return plain(Exponents(*rate, *power))
 
 
 def angular_bins(contacts):

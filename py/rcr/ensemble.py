@@ -6,6 +6,7 @@ import numpy as np
 
 from rcr import statistics
 from rcr._data.network_columns import LEFT, RIGHT, rows
+from rcr._data.plain import plain
 from rcr.xi_networks import XiNetworks
 
 
@@ -50,11 +51,13 @@ class Ensemble:
             self.eta, _ = (common_value(networks, name) for name in ("eta", "friction"))
         parts = [_contacts(network, any_scene) for network in networks]
         if any_scene:
-            self.eta = max((n.particles["half_length"] / n.particles["R"]).max() for n in networks)
+            self.eta = plain(max((n.particles["half_length"] / n.particles["R"]).max()
+                                 for n in networks))
         for name in parts[0]:
             setattr(self, name, np.concatenate([part[name] for part in parts]))
         double_angles = [2 * network.stress_angle() for network in networks]
-        self.stress_angle = 0.5 * np.angle(np.mean(np.exp(1j * np.array(double_angles)))) % np.pi
+        mean = np.mean(np.exp(1j * np.array(double_angles)))
+        self.stress_angle = plain(0.5 * np.angle(mean) % np.pi)
 
     def __len__(self):
         return len(self.fn)

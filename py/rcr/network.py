@@ -24,6 +24,7 @@ from rcr._data import checks, files, network_attributes, network_columns
 from rcr._data.network_columns import (  # noqa: F401: part of this module's interface
     BOTTOM, CAP_CAP, CAP_SIDE, LEFT, OBSTACLE, OTHER, RIGHT, SIDE_SIDE, TOP,
 )  # fmt: skip
+from rcr._data.plain import plain
 from rcr.force_statistics import ForceStatistics
 from rcr.table import Table
 from rcr.xi_networks import cutoffs
@@ -32,7 +33,7 @@ from rcr.xi_networks import cutoffs
 def sin_phi(stresses):
     """Return q/p = (σ₁ − σ₂)/(σ₁ + σ₂) of principal stresses (…, 2), σ₂ first [-; eq. qp]."""
     low, high = np.moveaxis(np.asarray(stresses), -1, 0)
-    return (high - low) / (high + low)
+    return plain((high - low) / (high + low))
 
 
 class Network(Table, ForceStatistics):
@@ -170,7 +171,7 @@ class Network(Table, ForceStatistics):
     def stress_angle(self):
         """Return θσ, the angle from x to the axis of σ₁, in [0, π) [rad]."""
         x, y = self.stress_axes()[:, 0]
-        return np.arctan2(y, x) % np.pi
+        return plain(np.arctan2(y, x) % np.pi)
 
     def principal_stresses(self):
         """Return σ₂ and σ₁, (2,) [Pa]."""

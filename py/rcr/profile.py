@@ -16,6 +16,7 @@ import numpy as np
 
 from rcr import geometry
 from rcr._data import checks
+from rcr._data.plain import plain
 from rcr.frame import Frame
 
 MOST_CELLS = 10**7
@@ -103,7 +104,7 @@ class Profile:
     def cell_area(self):
         """Area of one cell [m²]."""
         x, y = self.edges
-        return (x[1] - x[0]) * (y[1] - y[0])
+        return plain((x[1] - x[0]) * (y[1] - y[0]))
 
     @property
     def solid_fraction(self):

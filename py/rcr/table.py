@@ -26,6 +26,9 @@ from rcr import geometry
 from rcr._data.network_columns import rows
 
 KINDS = ("rcr", "disc", "clumped", "fixed", "polygon")
+# Largest size of a picture that shows an obstacle whole
+MOST_GRAINS = 4  # over the size of the grains, as they lie at the foot of a drum [-]
+MOST_DIAMETERS = 50  # over the mean diameter of the grains, for few of them in a drum [-]
 NO_WALLS = dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
 
 
@@ -235,29 +238,44 @@ class Table:
         """Return the lower left and upper right corner of a picture of the frame, (2, 2) [m].
 
         The picture shows the periodic cell and the grains. Grains are left out that are farther
-        than half the size of the box of 98 % of the grains from that box. Obstacles extend the
-        picture by at most half its size.
+        than half the size of the box of 98 % of the grains from that box. A box, a facet or a fixed
+        grain is shown whole if the picture is then at most `MOST_GRAINS` times as large, or
+        `MOST_DIAMETERS` mean diameters. Longer boxes and facets extend it by at most half its size,
+        walls only if they are at most this far away.
         """
-        corners = self._grain_corners()
+        grains, near = self._grain_boxes()
+        corners = [*grains[:, near]]
         if self.cell is not None:
-            corners.insert(0, (self.cell @ np.array([[0, 1, 0, 1], [0, 0, 1, 1]])).T)
-        obstacles = [vertices for _, _, vertices in self.outlines]
-        around = np.concatenate(corners or obstacles or [np.zeros((1, 2))])
-        low, high = around.min(axis=0), around.max(axis=0)
-        reach, middle = 0.5 * (high - low).max(), 0.5 * (low + high)
-        for axis, at in zip(self.walls["axis"], self.walls["position"]):
-            obstacles.append(np.where([axis == 0, axis == 1], at, middle)[None])
-        shown = np.concatenate([[low, high], *obstacles])
-        shown = np.clip(shown, low - reach, high + reach)
+            corners.append((self.cell @ np.array([[0, 1, 0, 1], [0, 0, 1, 1]])).T)
+        obstacles = [(shape.min(axis=0), shape.max(axis=0)) for _, _, shape in self.outlines]
+        obstacles = np.array(obstacles).reshape(-1, 2, 2).swapaxes(0, 1)
+        choices = map(np.concatenate, (corners, obstacles, np.zeros((1, 1, 2))))
+        corners = next(points for points in choices if len(points))
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        size, middle = (high - low).max(), 0.5 * (low + high)
+        most = np.fmax(MOST_GRAINS * size, 2 * MOST_DIAMETERS * self.mean_radius())
+
+        def fits(box):
+            return (np.maximum(high, box[1]) - np.minimum(low, box[0]) <= most).all(axis=-1)
+
+        def clipped(points):
+            return np.clip(points, low - size / 2, high + size / 2)
+
+        fixed = self.grains["fixed"] & fits(grains)
+        obstacles = np.where(fits(obstacles)[:, None], obstacles, clipped(obstacles))
+        walls = [np.where([axis == 0, axis == 1], at, middle)
+                 for axis, at in zip(self.walls["axis"], self.walls["position"])]
+        walls = np.array(walls).reshape(-1, 2)
+        walls = walls[(walls == clipped(walls)).all(axis=1)]
+        shown = np.concatenate([corners, *grains[:, fixed], *obstacles, walls])
         return np.stack([shown.min(axis=0), shown.max(axis=0)])
 
-    def _grain_corners(self):
-        """Return the lower and upper corners of the grains' boxes, without distant grains."""
+    def _grain_boxes(self):
+        """Return corners of the grains' boxes, (2, N, 2), and a mask of those near the others."""
         if not len(self.grains["id"]):
-            return []
+            return np.empty((2, 0, 2)), np.empty(0, bool)
         place = self.grains["position"] + self.wrap(self.grains["position"])
         low, high = np.quantile(place, (0.01, 0.99), axis=0)
         size = 0.5 * (high - low) + 0.5 * (high - low).max() + 2 * self.mean_radius()
         near = (np.abs(place - 0.5 * (low + high)) <= size).all(axis=1)
-        low, high = geometry.boxes(self.grains | dict(position=place), self.shapes)
-        return [low[near], high[near]]
+        return geometry.boxes(self.grains | dict(position=place), self.shapes), near

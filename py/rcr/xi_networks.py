@@ -16,6 +16,7 @@ import typing
 import numpy as np
 
 from rcr._data import checks
+from rcr._data.plain import plain
 
 ROUNDING = 1e-12  # of a force over the mean force, relative
 
@@ -77,7 +78,7 @@ class XiNetworks:
 
     def count(self, xi=np.inf):
         """Return the number of contacts N(ξ), of the shape of ξ."""
-        return np.searchsorted(self._scaled_force, cutoffs(xi), side="right")
+        return plain(np.searchsorted(self._scaled_force, cutoffs(xi), side="right"))
 
     def fraction(self, xi=np.inf):
         """Return N(ξ)/N = tr F(ξ) [-], of the shape of ξ."""
@@ -96,11 +97,11 @@ class XiNetworks:
         Source: the paper's equations harmonique and Aniso_values_xi.
         """
         a_c, ln, branch, fn, force, _ = 2 * self._deviators(xi)
-        return Anisotropies(a_c, ln - a_c, branch - ln, fn - a_c, force - fn)
+        return plain(Anisotropies(a_c, ln - a_c, branch - ln, fn - a_c, force - fn))
 
     def shear_stress_ratio(self, xi=np.inf):
         """Return q(ξ)/p of the shape of ξ [-; eq. sigma_xi], with p of the whole network."""
-        return self._deviators(xi)[5]
+        return plain(self._deviators(xi)[5])
 
     def pressure_factor(self):
         """Return κ = Σ f·ℓ/(C ⟨f_n⟩⟨ℓ_n⟩) [-].
@@ -108,7 +109,7 @@ class XiNetworks:
         κ differs from 1 by the correlation of force and branch vector, which the half-sum neglects.
         """
         count, _, branch, _, force, pressure = self._traces
-        return pressure * count / (force * branch)
+        return plain(pressure * count / (force * branch))
 
     def cross_products(self, xi=np.inf):
         """Return the products X(ξ) that the half-sum neglects, of the shape of ξ [-].
@@ -121,4 +122,4 @@ class XiNetworks:
         The second equation is exact [eqs. isig2_xi and q_p_aniso2_xi].
         """
         contact, _, branch, _, force, stress = self._deviators(xi)
-        return self.pressure_factor() * stress - force - branch + contact
+        return plain(self.pressure_factor() * stress - force - branch + contact)

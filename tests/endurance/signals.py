@@ -44,6 +44,10 @@ assert O.bodies[0].state.pos[0] == O.iter * O.dt, "not a whole step"
 open("result", "w").write(f"{going}")
 """
 PLAIN = SCENE + "O.run(10**9, True)\n"
+MAIN = SCENE + """
+from rcr import script
+script.run(lambda: O.run(10**9, True))
+"""
 EARLY = """
 import time
 open("ready", "w").close()
@@ -116,6 +120,16 @@ def plain_run_ends(folder, number):
     else:
         assert code == 128 + number, code
         assert errors.splitlines()[-1] == f"yade-rcr: ended by {signal.Signals(number).name}"
+    assert not temporary.exists()
+
+
+def run_of_main_ends(folder, number):
+    """A run within `rcr.script.run` ends with one line, and as by the signal."""
+    process, temporary = begin_scene(folder, MAIN)
+    process.send_signal(number)
+    code, errors = ended(process)
+    assert code == 128 + number, code
+    assert errors.splitlines()[-1] == "scene.py: stopped" and "Traceback" not in errors, errors
     assert not temporary.exists()
 
 
@@ -259,6 +273,7 @@ def scene_cases():
         name = number.name
         yield f"advance-{name}", lambda folder, n=number: advance_stops(folder, n)
         yield f"plain-{name}", lambda folder, n=number: plain_run_ends(folder, n)
+        yield f"main-{name}", lambda folder, n=number: run_of_main_ends(folder, n)
         yield f"background-{name}", lambda folder, n=number: background_shell_stops(folder, n)
     yield "early SIGHUP", hangup_ends_the_start
     yield "timeout", timeout_stops_once

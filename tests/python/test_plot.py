@@ -284,6 +284,51 @@ def test_obstacles_are_in_the_picture_but_do_not_fill_it():
     assert len(ax.collections) == 3
 
 
+def ring(radius, count=60):
+    """Corners of a drum, (count, 2, 2): its facets."""
+    angle = 2 * np.pi * np.arange(count + 1) / count
+    corners = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.stack([corners[:-1], corners[1:]], axis=1)
+
+
+@pytest.mark.parametrize("grains, radius", [(1, 40), (3, 45), (20, 60)])
+def test_a_drum_is_whole_whatever_it_holds(grains, radius):
+    """Facets, boxes or fixed discs of a drum are in the picture, grains lie at its foot."""
+    place = np.column_stack([2.0 * np.arange(grains), np.full(grains, 0.7 - radius)])
+    place[:, 0] -= grains - 1
+    drum = frame(grains, position=place)
+    drum.outlines = [(k, "facet", ends) for k, ends in enumerate(ring(radius))]
+    whole = pytest.approx(radius * np.array([[-1, -1], [1, 1]]), rel=1e-9)
+    assert drum.extent() == whole
+    drum.outlines = [(k, "box", np.concatenate([ends, 0.99 * ends[::-1]]))
+                     for k, ends in enumerate(ring(radius))]
+    assert drum.extent() == whole
+    inner = 10 * 2**0.5  # a square of 400 grains and a ring of 20 fixed discs around it
+    cells = np.stack(np.meshgrid(*2 * [np.linspace(-10, 10, 20)]), axis=-1).reshape(-1, 2)
+    place = np.concatenate([cells, 2.5 * inner * np.array(ring(1, 20)[:, 0])])
+    scene = frame(420, position=place, fixed=np.arange(420) >= 400)
+    assert scene.extent() == pytest.approx(2.5 * inner * np.array([[-1, -1], [1, 1]]), abs=1)
+
+
+@pytest.mark.parametrize("at, top", [(5, 5), (50, 0.5)])
+def test_a_wall_that_is_out_of_the_picture_does_not_extend_it(at, top):
+    scene = frame(6)
+    scene.walls = dict(id=np.array([9]), axis=np.array([1]), position=np.array([float(at)]))
+    assert scene.extent()[1, 1] == top
+
+
+def test_an_obstacle_beyond_the_size_of_the_grains_is_cut():
+    """The limits: 50 diameters for few grains, four times their size for many."""
+    few, many = frame(3), frame(200)
+    for scene, size in ((few, 100), (many, 1600)):
+        low, high = scene.extent()
+        reach = 0.5 * (high - low).max()
+        assert np.diff(scene.extent()[:, 0]) * 4 <= size
+        for end, whole in ((low[0] + 0.99 * size, True), (low[0] + 1.01 * size, False)):
+            scene.outlines = [(999, "facet", np.array([[0.0, 0.0], [end, 0.0]]))]
+            assert scene.extent()[1, 0] == (end if whole else high[0] + reach)
+
+
 def test_a_stray_grain_does_not_make_the_others_dots():
     place = np.column_stack([2.0 * (np.arange(200) % 20), 2.0 * (np.arange(200) // 20)])
     place[7] = [500, -300]

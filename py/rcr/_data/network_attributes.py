@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from rcr._data import checks
+from rcr._data.plain import plain
 
 LARGEST = 64000  # bytes of an attribute; HDF5 allows 64 kB with its description
 _FINITE = "a finite number", math.isfinite
@@ -37,6 +38,8 @@ def checked(attributes):
         elif not _is_storable(value):
             expected = "a number, a text, a list of texts or an array of numbers, below 64 kB"
             raise checks.error(f"the attribute {name}", value, expected)
+        else:
+            found[name] = plain(value)
     if "cell" in found and np.linalg.matrix_rank(found["cell"]) < 2:
         expected = "edges as columns that span an area [m²]; leave it out without a periodic cell"
         raise checks.error("the attribute cell", found["cell"].tolist(), expected)

@@ -91,11 +91,11 @@ def measures(one):
         coordination_number=mean(n.coordination() for n in networks),
         mean_normal_force=mean(n.local_components()[3][:, 0].mean() for n in networks),
         **{f"fraction_{name}": float(np.mean(e.type == kind)) for name, kind in types},
-        weak_share=float(e.xi_networks.fraction(1)),
+        weak_share=e.xi_networks.fraction(1),
         friction_mobilization=float(e.mobilization[known].mean()) if known.any() else np.nan,
         c_f_l=correlations["c_f_l"], c_f_lr=correlations["c_f_lr"],
         normal_force=_forces(e.fn), tangential_force=_forces(np.abs(e.ft)),
-        fabric=np.mean([n.fabric() for n in networks], axis=0), stress_angle=float(e.stress_angle),
+        fabric=np.mean([n.fabric() for n in networks], axis=0), stress_angle=e.stress_angle,
         **_xi_functions(e), directions=distributions.polar(e.angle, branch, force)._asdict(),
         chains=_chains(networks))
 

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rcr import distributions, statistics
+from rcr._data.plain import plain
 from rcr.distributions import over_mean
 
 SLACK = 0.01  # of the ranges of ℓ_r and ℓ/R_max, which overlaps and gaps exceed
@@ -128,7 +129,7 @@ def with_errors(parts):
             if name in DIRECTIONS:
                 samples = [0.5 * np.angle(np.exp(2j * (sample - value))) for sample in samples]
             values[f"{name}_error"] = statistics.standard_error(samples)
-    return values
+    return plain(values)
 
 
 def measures(ensemble, grids, parts, keys=None):

@@ -58,8 +58,8 @@ class Biaxial:
         self.grains = grains.ids()
         self.left, self.bottom, self.right, self.top = self.walls = range(count - 4, count)
         masses = np.array([O.bodies[i].state.mass for i in self.grains])
-        self.area = masses.sum() / PROTOCOL.density
-        self.diameter = 2 * np.mean(grains.circumscribed_radii(self.grains))
+        self.area = float(masses.sum() / PROTOCOL.density)
+        self.diameter = float(2 * np.mean(grains.circumscribed_radii(self.grains)))
         self.time_unit = math.sqrt(masses.mean() / PROTOCOL.confining_stress)
         engines = [engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics)]
         self.solver = engines[0] if engines else Springs()

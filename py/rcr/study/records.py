@@ -59,7 +59,7 @@ def _step_smooth(test, speeds):
         O.step()
         if left % PROTOCOL.smooth_stride == 0:
             stresses.append(test.wall_stresses())
-    x, y = np.mean(stresses, axis=0)
+    x, y = np.mean(stresses, axis=0).tolist()
     test.records.append(dict(
         step=O.iter, time=O.time, width=test.width, height=test.height, stress_x=x, stress_y=y,
         points=test.solver.contactPoints, iterations=0, residual=0.0, unconverged_steps=0,
@@ -105,7 +105,7 @@ def _add_record(test, observation, width, height):
     height = positions[top][1] - positions[bottom][1]
     lengths = (before + [height, height, width, width]) / 2
     force = [abs(forces[wall][k // 2]) for k, wall in enumerate(test.solver.observe)]
-    x, y = (force / lengths).reshape(2, 2).mean(axis=1)
+    x, y = (force / lengths).reshape(2, 2).mean(axis=1).tolist()
     missed, yielded = observation["missed"], observation["yielded"]
     test.records.append(dict(
         step=observation["step"], time=observation["time"], width=width, height=height, stress_x=x,

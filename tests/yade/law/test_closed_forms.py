@@ -9,6 +9,7 @@ from rcr import _kernel
 from scenes import (EXACT, G, box, build, grain_on_floor, inertia, material, open_box, pile,
                     point_forces, solver, stadium, steps, tilted, velocity)
 from yade import O
+from yade import wrapper as w
 
 DT = 1e-3
 MU = 0.5
@@ -289,3 +290,25 @@ def test_half_step_start_leaves_a_pile_at_rest():
     O.run(100, True)
     assert max(O.bodies[i].state.vel.norm() for i in ids) < 1e-6
     assert max(O.bodies[i].state.displ().norm() for i in ids) < 1e-6
+
+
+@pytest.mark.parametrize("ratio", [0.5, 2])
+def test_a_shaken_wall_throws_a_disc_if_it_brakes_faster_than_gravity(ratio):
+    """y = A (1 − cos ωt); if A ω² = 2 g, the disc leaves at cos ωt = −1/2 and flies to v²/2g."""
+    omega, dt = 2 * math.pi * 10, 1e-5
+    size = ratio * G / omega**2
+    shaken = w.HarmonicMotionEngine(ids=[0], A=(0, size, 0), f=(0, 10, 0), fi=(0, math.pi, 0))
+    floor, disc = build(rcr.wall("y", 0, +1), rcr.disc((0, 0.1), 0.1, material()), dt=dt,
+                        before=[shaken], **EXACT)
+    height = lambda t: size * (1 - math.cos(omega * t))
+    if ratio < 1:
+        time = 0.18
+        highest = height(time)
+    else:
+        leaves = math.acos(-1 / ratio) / omega
+        speed = size * omega * math.sin(omega * leaves)
+        time, highest = leaves + speed / G, height(leaves) + speed**2 / (2 * G)
+    steps(round(time / dt))
+    rounding = 2 * size * omega * dt  # two steps at the largest speed
+    assert O.bodies[floor].state.pos[1] == pytest.approx(height(time), abs=rounding)
+    assert O.bodies[disc].state.pos[1] == pytest.approx(0.1 + highest, abs=rounding)
