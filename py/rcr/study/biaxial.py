@@ -65,15 +65,16 @@ class Biaxial:
         self.solver = engines[0] if engines else Springs()
 
     @classmethod
-    def prepare(cls, *arguments, **parameters):
+    def prepare(cls, *arguments, place=compaction.deposited, **parameters):
         """Make a new test in a loose state, in place of YADE's scene.
 
         Parameters are those of `rcr.study.protocol.check_parameters`: options of
         scripts/biaxial.py, which docs/study/biaxial.md describes. A ValueError reports one out of
-        its range.
+        its range. `place`: function of the radii of the circles around the grains (N,) [m], which
+        returns their centres (N, 2) and the width of their box, from 0 [m].
         """
         parameters = check_parameters(*arguments, **parameters)
-        compaction.make_scene(parameters)
+        compaction.make_scene(parameters, place)
         progress = dict(COUNTERS, phase="collapse", iterations=0, wall_seconds=0.0)
         return cls(parameters, progress, [])
 

@@ -36,19 +36,27 @@ def random_radii(count, rng, span=2):
     return PROTOCOL.smallest_radius / (1 - (1 - 1 / span) * rng.random(count))
 
 
-def make_scene(parameters):
+def deposited(radii):
+    """Return centres of circles (N, 2) and the width of their box [m].
+
+    They are deposited layer by layer in a box about as high as wide (`deposition.hpp`).
+    """
+    area = math.pi * np.sum(radii**2)
+    width = max(math.sqrt(area / PROTOCOL.deposited_fraction), 2 * radii.max())
+    return _kernel.deposit(radii, width), width
+
+
+def make_scene(parameters, place=deposited):
     """Make the loose packing, its walls and its engines in the running YADE.
 
-    Each grain is inscribed in a circle, at a random angle. The circles are deposited layer by layer
-    in a box about as high as wide (`deposition.hpp`) and do not depend on the shape.
+    Each grain is inscribed in a circle, at a random angle. `place` returns the circles as
+    `deposited` does; they do not depend on the shape.
     """
     O.reset()
     count = parameters["particles"]
     rng = np.random.default_rng(parameters["seed"])
     radii = random_radii(count, rng, parameters["size_span"])
-    area = math.pi * np.sum(radii**2)
-    width = max(math.sqrt(area / PROTOCOL.deposited_fraction), 2 * radii.max())
-    centres = _kernel.deposit(radii, width)
+    centres, width = place(radii)
     height = (centres[:, 1] + radii).max()
     grain, plate = (O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=k))
                     for k in ("grain", "plate"))

@@ -61,7 +61,7 @@ def fast_box(seed):
 
 def test_a_step_that_would_double_the_energy_is_refused():
     refused_scenes = 0
-    for seed in 64, 76, 141:
+    for seed in 7, 64, 76:
         fast_box(seed)
         before = kinetic()
         try:
