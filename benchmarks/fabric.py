@@ -1,0 +1,150 @@
+"""Fabric of packings of discs that are placed, sized or cut differently.
+
+    scripts/yade-rcr -n -x benchmarks/fabric.py --particles 4000 --seeds 1,2 --out fabric
+
+Each case compacts discs and shears them as scripts/biaxial.py does, to a strain of 0.3. A run that
+is stopped continues with the same command. Cases:
+
+    layers   circles deposited layer by layer, as in the study
+    random   random sequential addition: each circle at a random free place, large ones first
+    sizes    layers, with R_max = 3 R_min
+
+After the compaction, the amplitude of cos k(θ − θ_k) in 2π P(θ), of the contact directions θ, is
+2 |⟨exp(i k θ)⟩|. In the shear, a_c(ξ) is that of the ξ-networks at strains of 0.15 to 0.3 [-].
+*Inner* contacts are more than `MARGIN` mean diameters away from the walls. Prints a table and
+writes DIR/fabric.csv: means over seeds, errors are standard errors.
+"""
+
+import math
+import os
+
+import numpy as np
+from yade.wrapper import Omega
+
+from rcr import script
+from rcr._data import files
+from rcr.network import Network
+from rcr.statistics import standard_error
+from rcr.study.biaxial import Biaxial
+from rcr.study.checkpoint import CHECKPOINT
+
+O = Omega()
+LOOSE, FIRST, LAST, INTERVAL = 0.45, 0.15, 0.3, 0.01  # packing fraction; strains of networks [-]
+MARGIN = 5  # mean diameters
+HARMONICS = 2, 4, 6
+XI = np.arange(0.2, 1.5, 0.05)  # cutoffs f_n/⟨f_n⟩ [-]
+COLUMNS = ["case", "grains", "seeds", "contacts", *(f"amplitude_{k}" for k in HARMONICS), "a_c_min",
+           "xi_min", "a_c"]
+
+
+def randomly(radii, rng):
+    """Centres (N, 2) and width of a square box [m] of circles at random free places."""
+    width = math.sqrt(math.pi * np.sum(radii**2) / LOOSE)
+    centres = np.empty((len(radii), 2))
+    cell, grid = 2 * radii.max(), {}
+    for k in np.argsort(-radii, kind="stable"):
+        while True:
+            at = rng.uniform(radii[k], width - radii[k], 2)
+            i, j = (at // cell).astype(int)
+            near = [n for x in (i - 1, i, i + 1) for y in (j - 1, j, j + 1)
+                    for n in grid.get((x, y), ())]
+            if not near or (np.hypot(*(centres[near] - at).T) >= radii[near] + radii[k]).all():
+                break
+        centres[k] = at
+        grid.setdefault((i, j), []).append(k)
+    return centres, width
+
+
+def cases(seed):
+    """{case: parameters of Biaxial.prepare}."""
+    rng = np.random.default_rng(seed)
+    return dict(layers={}, random=dict(place=lambda radii: randomly(radii, rng)),
+                sizes=dict(size_span=3))
+
+
+def sheared(folder, particles, seed, parameters):
+    """Networks after the compaction and in the shear of a test, made or continued."""
+    os.makedirs(folder, exist_ok=True)
+    path = lambda strain: os.path.join(folder, f"{strain:.2f}.h5")
+    strains = np.arange(FIRST, LAST + INTERVAL / 2, INTERVAL)
+    if not os.path.exists(path(strains[-1])):
+        if os.path.exists(os.path.join(folder, CHECKPOINT)):
+            test = Biaxial.load(folder)
+        else:
+            test = Biaxial.prepare(0, particles, seed, threads=1, **parameters)
+            test.compact()
+            test.isotropic.save(path(0))
+            test.save(folder)
+        for strain in strains:
+            while not test.has_reached(strain):
+                test.shear_record()
+            test.network().save(path(strain))
+            test.save(folder)
+    return Network.load(path(0)), [Network.load(path(strain)) for strain in strains]
+
+
+def _contacts(network, inner):
+    """Normals (C, 2), normal forces (C,) of the contacts between grains."""
+    c, pick = network.contacts, network.between_particles
+    place, particles = c["position"][pick], network.particles
+    normal = c["normal"][pick]
+    force = np.sum(c["force"][pick] * normal, 1)
+    if inner:
+        far = MARGIN * 2 * particles["R"].mean()
+        low, high = (extreme(particles["position"], axis=0) for extreme in (np.min, np.max))
+        inside = ((place > low + far) & (place < high - far)).all(1)
+        normal, force = normal[inside], force[inside]
+    return normal, np.abs(force)
+
+
+def amplitudes(network, inner):
+    normal, _ = _contacts(network, inner)
+    theta = np.arctan2(normal[:, 1], normal[:, 0])
+    return [2 * abs(np.exp(1j * k * theta).mean()) for k in HARMONICS]
+
+
+def weak_fabrics(networks, inner):
+    """a_c(ξ) at `XI` and at ∞, means over networks, as in `Network.anisotropies`."""
+    found = []
+    for network in networks:
+        normal, force = _contacts(network, inner)
+        angle = 2 * (np.arctan2(normal[:, 1], normal[:, 0]) - network.stress_angle())
+        of = lambda xi: 2 * np.cos(angle[force <= xi * force.mean()]).mean()
+        found.append([of(xi) for xi in (*XI, np.inf)])
+    return np.mean(found, axis=0)
+
+
+def row(case, particles, tests, inner):
+    """Row of the CSV; `tests`: (compacted, sheared) of each seed."""
+    first = np.array([amplitudes(compacted, inner) for compacted, _ in tests])
+    fabrics = np.array([weak_fabrics(networks, inner) for _, networks in tests])
+    lowest = fabrics[:, :-1].mean(0).argmin()
+    result = dict(case=case, grains=particles, seeds=len(tests),
+                  contacts="inner" if inner else "all", xi_min=XI[lowest])
+    columns = [*first.T, fabrics[:, lowest], fabrics[:, -1]]
+    names = [*(f"amplitude_{k}" for k in HARMONICS), "a_c_min", "a_c"]
+    for name, values in zip(names, columns):
+        error = standard_error(values) if len(values) > 1 else math.nan
+        result[name], result[f"{name}_error"] = float(values.mean()), float(error)
+    return result
+
+
+def main():
+    parser = script.Parser(prog="fabric.py", description=__doc__.splitlines()[0])
+    parser.add_argument("--particles", type=script.at_least(500), default=4000, metavar="N")
+    parser.add_argument("--seeds", default="1,2", help="separated by commas")
+    parser.add_argument("--out", type=script.folder, default="fabric", metavar="DIR")
+    options = parser.parse_args()
+    rows = []
+    for case in cases(0):
+        tests = [sheared(os.path.join(options.out, f"{case}-{seed}"), options.particles, seed,
+                         cases(seed)[case]) for seed in map(int, options.seeds.split(","))]
+        for inner in False, True:
+            rows.append(row(case, options.particles, tests, inner))
+            print("  ".join(f"{name} {value:.3g}" if isinstance(value, float) else str(value)
+                            for name, value in rows[-1].items()), flush=True)
+    columns = [*COLUMNS, *(f"{name}_error" for name in COLUMNS if f"{name}_error" in rows[0])]
+    files.write(os.path.join(options.out, "fabric.csv"), files.table(columns, rows))
+
+
+script.run(main)
