@@ -241,6 +241,10 @@ TABLES = {
                                         printed="residuals"),
     "one-step-default": lambda: ratios("a", "a-one-step", lambda row: float(row[0]) <= 500,
                                        printed="default_steps"),
+    "large-packings": lambda: ratios("j", "j-large-packings", lambda row: row[2] != "cold" and (
+        row[3] not in ("nesterov", "nlgs") or row[4] in ("80", "320", "1280", "5120")), columns=[
+            "grains", "η", "method", "sweeps", "time [s]", "residual", "estimate", "velocities",
+            "forces", "8 × 8 cells", "2 × 2 cells"]),
     "biaxial-steps": lambda: ratios("c", "c-biaxial-cost", printed="true_errors"),
     "estimate": lambda: ratios("g", "g-estimate"),
     "known-forces": lambda: ratios("h", "h-known-forces", lambda row: row[1] in ("nlgs", "auto")),
