@@ -54,6 +54,8 @@ struct InverseMass {
 	bool prescribed() const { return x == 0 && y == 0 && rotation == 0; }
 	/// Returns true if the body can move along an axis. A hinged body can only turn.
 	bool translates() const { return x > 0 || y > 0; }
+	/// Returns true if the body can move along both axes: no wall, and not hinged.
+	bool translatesFreely() const { return x > 0 && y > 0; }
 	/// Mass along the axis of the larger inverse mass [kg]; 0: the body does not translate.
 	double mass() const { return translates() ? 1 / std::max(x, y) : 0; }
 };

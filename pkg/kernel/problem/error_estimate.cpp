@@ -29,25 +29,27 @@ double errorFromChange(
 	return shape.slim() ? std::max(forces, velocities) : velocities;
 }
 
-NormWeights::NormWeights(const IslandShape& shape, double meanResponse, double largestMass)
+NormWeights::NormWeights(
+        const IslandShape& shape, double meanResponse, const LargestMass& largest)
 {
 	constexpr double heavy = 30; // mass of a contact or body over the mean
-	const double     ratio = largestMass * meanResponse;
 	if (shape.slim()) {
-		factor = std::max(1.0, ratio);
+		factor = std::max(1.0, largest.any * meanResponse);
 		return;
 	}
 	leastResponse = meanResponse / heavy;
-	if (!shape.frictional) factor = std::max(1.0, std::sqrt(ratio / heavy));
+	if (!shape.frictional)
+		factor = std::max(1.0, std::sqrt(largest.noWall * meanResponse / heavy));
 }
 
 static NormWeights weightsOf(const ContactProblem& problem, const IslandShape& shape)
 {
-	double response = 0, mass = 0;
+	double response = 0;
 	for (const ContactPoint& c : problem.points)
 		response += delassus(problem, c).nn;
+	LargestMass mass;
 	for (const InverseMass& m : problem.inverseMass)
-		mass = std::max(mass, m.mass());
+		mass.include(m);
 	return { shape, response / double(std::max<std::size_t>(problem.points.size(), 1)), mass };
 }
 

@@ -27,7 +27,7 @@
 // Heavy bodies hide the errors of light ones in these norms, and slow the solvers. Let M be the
 // largest mass of a body times the mean w_nn. Both estimates of a slim island are multiplied by M.
 // In other islands, bodies and contacts whose mass is over 30 times the mean do not enter the norms;
-// without friction, the estimates are multiplied by √(M/30), at least 1.
+// without friction, the estimates are multiplied by √(M/30), at least 1, where walls do not count.
 //
 // Neither velocities of other bodies nor contacts without a force are scales, so a common motion
 // or an idle neighbour changes nothing. docs/measurements/index.md compares the estimate with true
@@ -88,14 +88,25 @@ struct IterateChange {
 	double velocity      = 0; // ‖v − v_free‖_M² [J/m]
 };
 
+/// Largest mass of the free bodies, and of those that are no walls [kg].
+struct LargestMass {
+	double any = 0, noWall = 0;
+
+	void include(const InverseMass& m)
+	{
+		any = std::max(any, m.mass());
+		if (m.translatesFreely()) noWall = std::max(noWall, m.mass());
+	}
+};
+
 /// Which contacts count in the norms, and how much their errors may be hidden.
 struct NormWeights {
 	double leastResponse = 0; // of contacts in the norms [1/kg]
 	double factor        = 1; // of the estimates [-]
 
 	NormWeights() = default;
-	/// From the mean w_nn of the points [1/kg] and the largest mass of a free body [kg].
-	NormWeights(const IslandShape&, double meanResponse, double largestMass);
+	/// From the mean w_nn of the points [1/kg] and the free bodies.
+	NormWeights(const IslandShape&, double meanResponse, const LargestMass&);
 };
 
 /// The estimate from the change. `residualRatio`: r/r_half.

@@ -170,9 +170,7 @@ bool isDivergent(const ContactProblem& problem, const std::vector<LocalVector>& 
 bool closesBlocked(
         const ContactProblem& problem, const ContactPoint& c, double roundingVelocity)
 {
-	const auto translates = [&](int body) {
-		return problem.inverseMass[body].x > 0 && problem.inverseMass[body].y > 0;
-	};
+	const auto translates = [&](int body) { return problem.inverseMass[body].translatesFreely(); };
 	return !translates(c.body1) && !translates(c.body2) && delassus(problem, c).nn <= 0
 	        && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
 	        && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;

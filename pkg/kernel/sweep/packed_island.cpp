@@ -101,7 +101,7 @@ void PackedIsland::prepare()
 	setNormWeights();
 }
 
-/// Sets the weights of the norms from the mean w_nn and the largest mass of a body.
+/// Sets the weights of the norms from the mean w_nn and the masses of the bodies.
 void PackedIsland::setNormWeights()
 {
 	forEachChunk([&](const Chunk& chunk, int k) {
@@ -112,11 +112,12 @@ void PackedIsland::setNormWeights()
 				packed_.sum_[k] += scale[lane] > 0 ? 1 / scale[lane] : 0;
 		});
 	});
-	double response = sum(packed_.sum_), mass = 0;
+	double      response = sum(packed_.sum_);
+	LargestMass mass;
 	forEachOverflowPoint([&](OverflowPoint& c) { response += c.ownNn; });
 	forEachRecords([&](const Range& records) {
 		for (int k = records.begin; k < records.end; ++k)
-			mass = std::max(mass, packed_.inverseMass_[k].mass());
+			mass.include(packed_.inverseMass_[k]);
 	});
 	state_.norm = { shape(), response / shape().points, mass };
 }
