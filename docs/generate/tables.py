@@ -100,6 +100,16 @@ def sloshing():
     return table(header, rows)
 
 
+def fabric():
+    """Fabric of packings of discs, from benchmarks/fabric.py."""
+    names = *(f"amplitude_{k}" for k in (2, 4, 6)), "a_c_min"
+    titles = dict(layers="in layers", random="at random", sizes="in layers, R_max = 3 R_min")
+    rows = [[titles[row["case"]], row["contacts"],
+             *(f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}" for name in names),
+             f"{row['xi_min']:.2g}"] for row in measured("fabric")]
+    return table(["placing", "contacts", "2θ", "4θ", "6θ", "lowest a_c(ξ)", "at ξ"], rows)
+
+
 def step_threads():
     """Fastest step of each packing on one and on two threads, from scripts/bench_step.py."""
     groups = {}
@@ -255,7 +265,7 @@ TABLES = {
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
     quasi_static, sloshing, step_threads, parallel, points_of_sides, driven_scenes, meetings,
-    spring_energy)}
+    spring_energy, fabric)}
 
 
 def updated(page):
