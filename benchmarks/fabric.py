@@ -19,7 +19,6 @@ import math
 import os
 
 import numpy as np
-from yade.wrapper import Omega
 
 from rcr import script
 from rcr._data import files
@@ -27,8 +26,8 @@ from rcr.network import Network
 from rcr.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
+from rcr.xi_networks import XiNetworks
 
-O = Omega()
 LOOSE, FIRST, LAST, INTERVAL = 0.45, 0.15, 0.3, 0.01  # packing fraction; strains of networks [-]
 MARGIN = 5  # mean diameters
 HARMONICS = 2, 4, 6
@@ -76,6 +75,8 @@ def sheared(folder, particles, seed, parameters):
             test.isotropic.save(path(0))
             test.save(folder)
         for strain in strains:
+            if os.path.exists(path(strain)):
+                continue
             while not test.has_reached(strain):
                 test.shear_record()
             test.network().save(path(strain))
@@ -84,33 +85,30 @@ def sheared(folder, particles, seed, parameters):
 
 
 def _contacts(network, inner):
-    """Normals (C, 2), normal forces (C,) of the contacts between grains."""
-    c, pick = network.contacts, network.between_particles
-    place, particles = c["position"][pick], network.particles
-    normal = c["normal"][pick]
-    force = np.sum(c["force"][pick] * normal, 1)
-    if inner:
-        far = MARGIN * 2 * particles["R"].mean()
-        low, high = (extreme(particles["position"], axis=0) for extreme in (np.min, np.max))
-        inside = ((place > low + far) & (place < high - far)).all(1)
-        normal, force = normal[inside], force[inside]
-    return normal, np.abs(force)
+    """Directions (C,) [rad] and normal forces (C,) of the contacts between grains."""
+    normal, _, _, force = network.local_components()
+    angle, force = np.arctan2(normal[:, 1], normal[:, 0]), force[:, 0]
+    if not inner:
+        return angle, force
+    place = network.contacts["position"][network.between_particles]
+    centres, far = network.particles["position"], MARGIN * 2 * network.mean_radius()
+    inside = ((place > centres.min(0) + far) & (place < centres.max(0) - far)).all(1)
+    return angle[inside], force[inside]
 
 
 def amplitudes(network, inner):
-    normal, _ = _contacts(network, inner)
-    theta = np.arctan2(normal[:, 1], normal[:, 0])
-    return [2 * abs(np.exp(1j * k * theta).mean()) for k in HARMONICS]
+    angle, _ = _contacts(network, inner)
+    return [2 * abs(np.exp(1j * k * angle).mean()) for k in HARMONICS]
 
 
 def weak_fabrics(networks, inner):
-    """a_c(ξ) at `XI` and at ∞, means over networks, as in `Network.anisotropies`."""
+    """a_c(ξ) at `XI` and at ∞, means over networks."""
     found = []
     for network in networks:
-        normal, force = _contacts(network, inner)
-        angle = 2 * (np.arctan2(normal[:, 1], normal[:, 0]) - network.stress_angle())
-        of = lambda xi: 2 * np.cos(angle[force <= xi * force.mean()]).mean()
-        found.append([of(xi) for xi in (*XI, np.inf)])
+        angle, force = _contacts(network, inner)
+        parts = XiNetworks(angle - network.stress_angle(), np.ones(len(angle), complex),
+                           force.astype(complex), force / force.mean())
+        found.append(parts.anisotropies(np.append(XI, np.inf)).a_c)
     return np.mean(found, axis=0)
 
 
@@ -124,8 +122,8 @@ def row(case, particles, tests, inner):
     columns = [*first.T, fabrics[:, lowest], fabrics[:, -1]]
     names = [*(f"amplitude_{k}" for k in HARMONICS), "a_c_min", "a_c"]
     for name, values in zip(names, columns):
-        error = standard_error(values) if len(values) > 1 else math.nan
-        result[name], result[f"{name}_error"] = float(values.mean()), float(error)
+        result[name] = float(values.mean())
+        result[f"{name}_error"] = float(standard_error(values))
     return result
 
 

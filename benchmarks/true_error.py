@@ -19,7 +19,8 @@ from rcr import _kernel as kernel
 REFERENCE = dict(solver="exact", tolerance=1e-9, max_iterations=200_000, accuracy=np.inf)
 WORST_REFERENCE = 1e-7  # largest residual of a reference [-]
 CELLS = 8, 2  # cells along an edge
-NAMES = "velocities", "forces", *(f"cells_{k}" for k in CELLS)
+TITLES = dict(velocities="velocities", forces="forces") | {
+    f"cells_{k}": f"{k} × {k} cells" for k in CELLS}
 
 
 def velocity_change(problem, impulse):
@@ -35,7 +36,7 @@ def solution(problem, start):
 
 
 def distance(problem, impulse, reference, position=None):
-    """Distance of impulses to a reference, {name of `NAMES`: relative error}.
+    """Distance of impulses to a reference, {name of `TITLES`: relative error}.
 
     `position`: (nb, 2) centres of the bodies; None leaves out the cells.
     """

@@ -23,8 +23,7 @@ from rcr.study.protocol import PROTOCOL
 
 GIVEN_UP = "given up after "  # status of a point that reached its time limit; seconds follow
 NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability", e="quasi_static",
-             f="size", g="estimate", h="known_forces", i="accuracy",
-             j="large_packings")
+             f="size", g="estimate", h="known_forces", i="accuracy", j="large_packings")
 TABLES = "ratios", "residuals", "default_steps", "true_errors"  # functions of tables
 SOLVERS = "nlgs", "sor", "nesterov", "exact", "auto"
 COLORS = dict(zip((*SOLVERS, "Siconos NSGS", "Chipmunk", "Box2D"),

@@ -47,7 +47,7 @@ TITLES = dict(sin_phi="q/p", packing_fraction="packing fraction", friction_mobil
               friction_share="share of the work that friction takes",
               mean_overlap="mean overlap [d]", energy_error="work unaccounted for")
 OBSERVED = tuple(TITLES)
-TRUE = dict(velocities="velocities", forces="forces", cells_8="8 × 8 cells", cells_2="2 × 2 cells")
+TRUE = true_error.TITLES
 SPREADS = tuple(f"spread_{name}" for name in TRUE)
 ERRORS = "mean_overlap", "energy_error", *TRUE, *SPREADS  # errors themselves, without a reference
 SETTING = "law", "dt", "tolerance", "accuracy", "inertial_number", "stiffness"

@@ -11,23 +11,20 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from benchmarks import charts, true_error
-from benchmarks.charts import one_step
+from benchmarks.charts import estimate, one_step
 from rcr import _kernel as kernel
 from rcr import problems
 from rcr.network import Network
 
-ERRORS = true_error.NAMES
+ERRORS = true_error.TITLES
 COLUMNS = ["particles", "eta", "start", "method", "sweeps", "seconds", "residual", "estimate",
            *ERRORS]
 DEPENDS = "quick", "protocol"
 ETAS = 0.0, 0.7
 SWEEPS = dict(nesterov=(40, 80, 160, 320, 640, 1280, 2560, 5120), nlgs=(80, 320, 1280, 5120))
-DEFAULT = dict(solver="auto", tolerance=1e-4, accuracy=0.01, max_iterations=1000)
-AUTO, REFERENCE, SPREAD = "auto, default settings", "reference", "spread of the solutions"
+AUTO, REFERENCE, SPREAD = one_step.DEFAULT, "reference", one_step.SPREAD
 MOST, TOLERANCE = 200_000, 1e-9  # of a reference: sweeps, and residual at which they end [-]
-COLORS = dict(nesterov="C1", nlgs="C0") | {AUTO: "k"}
 STYLES = dict(velocities="-", cells_8="--", cells_2=":")
-LABELS = dict(velocities="velocities", forces="forces", cells_8="8 × 8 cells", cells_2="2 × 2 cells")
 
 
 def points(options):
@@ -61,7 +58,7 @@ def _solves(problem):
     for method, counts in SWEEPS.items():
         for count in counts:
             yield method, kernel.solve(**problem, solver=method, tolerance=0, max_iterations=count)
-    yield AUTO, kernel.solve(**problem, **DEFAULT)
+    yield AUTO, kernel.solve(**problem, **estimate.DEFAULT)
 
 
 def _row(method, found):
@@ -74,7 +71,7 @@ def _row(method, found):
 def ratios(rows):
     """Table of the errors of each solve, and of the residual of its reference."""
     yield ["grains", "η", "start", "method", "sweeps", "time [s]", "residual", "estimate",
-           *LABELS.values()]
+           *ERRORS.values()]
     for row in rows:
         error = [f"{row[name]:.2g}" if isinstance(row.get(name), float) else "" for name in ERRORS]
         if row["method"] == SPREAD:
@@ -108,10 +105,11 @@ def _panel(ax, rows):
             ax.axhspan(1e-3, row["velocities"], color="0.88", lw=0,
                        label=f"{SPREAD} (velocities)")
     warm = [row for row in rows if row.get("start") == "warm"]
-    for method, color in COLORS.items():
-        of = [row for row in warm if row["method"] == method]
+    for method in (*SWEEPS, AUTO):
+        of, star = [row for row in warm if row["method"] == method], method == AUTO
         for name, style in STYLES.items():
             ax.loglog([row["seconds"] for row in of], [row[name] for row in of],
-                      "*" if method == AUTO else f"o{style}", color=color, ms=9 if method == AUTO
-                      else 3, lw=1, label=method if method == AUTO else f"{method}, {LABELS[name]}")
+                      "*" if star else f"o{style}", color="k" if star else charts.COLORS[method],
+                      ms=9 if star else 3, lw=1,
+                      label=method if star else f"{method}, {ERRORS[name]}")
     ax.set_ylim(1e-3, 5)

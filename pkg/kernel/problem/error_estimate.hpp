@@ -26,8 +26,8 @@
 //
 // Heavy bodies hide the errors of light ones in these norms, and slow the solvers. Let M be the
 // largest mass of a body times the mean w_nn. Both estimates of a slim island are multiplied by M.
-// In other islands, bodies and contacts whose mass is over 30 times the mean do not enter the norms;
-// without friction, the estimates are multiplied by √(M/30), at least 1, where walls do not count.
+// In other islands, bodies and contacts whose mass is over 30 times the mean do not enter the norms.
+// Without friction, the estimates are multiplied by √(M/30), at least 1, where walls do not count.
 //
 // Neither velocities of other bodies nor contacts without a force are scales, so a common motion
 // or an idle neighbour changes nothing. docs/measurements/index.md compares the estimate with true

@@ -7,7 +7,7 @@ namespace rcr {
 constexpr int    firstSweeps  = 300; // of a small problem, before it may give up
 constexpr int    stallIterations = 30, trendIterations = 50; // exact ones that sweeps may cost
 constexpr int    fineProblem  = 250;  // points; solved beyond the goal of a packing with friction
-constexpr double sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
+constexpr int    sweepsPerExact = 20; // cost of an exact iteration of a small problem [sweeps]
 constexpr int    maxFineWork = 15000; // most exact iterations × points beyond the goal of an island
 constexpr int    slimSweeps  = 50; // of slim islands before exact steps, or half the diameter
 constexpr double slimAim = 0.1; // of the accuracy: errors of successive steps add up

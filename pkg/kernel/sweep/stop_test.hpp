@@ -36,7 +36,7 @@ public:
 		if (sweeps_ >= settings_.minIterations
 		        && (early || sweeps_ % settings_.checkInterval == 0)) {
 			criteria_ = measure();
-			lowestBy_.push_back(std::min(criteria_.residual, lowest_));
+			recordLowest();
 			if (criteria_.met(settings_) || stalled() || trendMisses()) return true;
 		}
 		++sweeps_;
@@ -48,12 +48,17 @@ public:
 	const Criteria& criteria() const { return criteria_; } // of the last evaluation
 
 private:
-	bool stalled()
+	void recordLowest()
 	{
 		if (criteria_.residual < lowest_) {
 			lowest_   = criteria_.residual;
 			lowestAt_ = sweeps_;
 		}
+		if (settings_.trend.from > 0) lowestBy_.push_back(lowest_);
+	}
+
+	bool stalled() const
+	{
 		return settings_.stallSweeps > 0 && sweeps_ - lowestAt_ >= settings_.stallSweeps;
 	}
 
