@@ -121,8 +121,7 @@ def relaxation_time_step(state, solver):
 def _reduce_displacement(state):
     """Reduce the displacement over the unbalance where the unbalance has not decreased.
 
-    Long steps can make grains flip to and fro. Very short ones make large packings creep, so the
-    displacement restarts at its first value below a least one.
+    Long steps can make grains flip to and fro; very short ones make large packings creep.
     """
     window = PROTOCOL.unbalance_window
     earlier, state["unbalances"] = state["unbalances"][:window], state["unbalances"][window:]
@@ -131,11 +130,18 @@ def _reduce_displacement(state):
 
 
 def _shorten_steps(state):
-    """Reduce the displacement over the unbalance, or restart it at its first value."""
+    """Reduce the displacement over the unbalance; below the least one, restart it.
+
+    Each restart is at a smaller value, since the flips of long steps undo the relaxation.
+    """
     state["displacement"] *= PROTOCOL.displacement_reduction
     state["flip_displacement"] = state["displacement"]
     if state["displacement"] <= PROTOCOL.min_displacement_per_unbalance:
-        state["displacement"] = PROTOCOL.displacement_per_unbalance
+        first = state.get("restart", PROTOCOL.displacement_per_unbalance)
+        first *= PROTOCOL.restart_reduction
+        if first <= PROTOCOL.min_displacement_per_unbalance:
+            first = PROTOCOL.displacement_per_unbalance
+        state.update(displacement=first, restart=first)
         del state["flip_displacement"]
 
 

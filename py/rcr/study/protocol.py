@@ -39,7 +39,8 @@ class Protocol:
     max_grain_displacement: float = 0.1  # of a step, at most [d]
     displacement_per_unbalance: float = 20.0  # first bound of displacement over unbalance [d]
     displacement_reduction: float = 0.6  # factor on that bound if the unbalance stays
-    min_displacement_per_unbalance: float = 0.05  # bound that restarts at the first value [d]
+    min_displacement_per_unbalance: float = 0.05  # bound that restarts at a larger value [d]
+    restart_reduction: float = 0.36  # of that value over the one before [-]
     unbalance_window: int = 5  # unbalances compared with as many earlier ones
     unbalance_decrease: float = 0.8  # ratio of their sums, at most; else grains flip
     relaxation_steps: int = 10  # steps of one length while the unbalance is below `rough_unbalance`

@@ -144,7 +144,7 @@ def test_records_do_not_depend_on_the_length_of_runs(packing):
 
 
 def test_relaxation_steps_shorten_only_where_the_unbalance_stays():
-    """Constant net forces: ever shorter steps, then long ones again. Halving ones: no shorter."""
+    """Constant net forces: ever shorter steps, then longer ones. Halving ones: no shorter."""
     window, first = PROTOCOL.unbalance_window, PROTOCOL.displacement_per_unbalance
 
     def steps(unbalance, intervals=200):
@@ -156,7 +156,8 @@ def test_relaxation_steps_shorten_only_where_the_unbalance_stays():
     stuck = steps(lambda k: 0.01)
     before = 2 * window - 1
     assert min(stuck) == 0.1 and stuck[:before] == [max(stuck)] * before
-    assert max(stuck[100:]) == max(stuck)
+    longest = [b for a, b in zip(stuck, stuck[1:]) if b > a]  # after each restart
+    assert longest[0] < max(stuck) and all(b < a for a, b in zip(longest[:3], longest[1:3]))
 
     falling = lambda k: 0.01 * 0.5 ** (k / window)
     bounds = [min(PROTOCOL.max_grain_displacement, first * falling(k)) for k in range(20)]
