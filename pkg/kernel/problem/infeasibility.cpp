@@ -153,18 +153,23 @@ bool exceedsEnergyBound(const ContactProblem& problem)
 	return exceedsEnergyBound(dissipatedEnergy(problem), velocityScale(problem, problem.impulse));
 }
 
+double boundOfGrowth(const ContactProblem& problem, const std::vector<LocalVector>& before)
+{
+	std::vector<LocalVector> d(before.size());
+	for (std::size_t k = 0; k < d.size(); ++k)
+		d[k] = problem.impulse[k] - before[k];
+	return velocityChangeBound(problem, d);
+}
+
 bool isDivergent(const ContactProblem& problem, const std::vector<LocalVector>& before)
 {
-	double                   growth2 = 0, size2 = 0;
-	std::vector<LocalVector> d(before.size());
-	for (std::size_t k = 0; k < d.size(); ++k) {
-		const LocalVector& p = problem.impulse[k];
-		d[k]                 = p - before[k];
-		growth2 += square(d[k]);
-		size2 += square(p);
+	double growth2 = 0, size2 = 0;
+	for (std::size_t k = 0; k < before.size(); ++k) {
+		growth2 += square(problem.impulse[k] - before[k]);
+		size2 += square(problem.impulse[k]);
 	}
 	return growth2 > divergentGrowth * divergentGrowth * size2
-	        && velocityChangeBound(problem, d) > maxChange;
+	        && boundOfGrowth(problem, before) > maxChange;
 }
 
 bool closesBlocked(

@@ -56,6 +56,9 @@ constexpr double noiseShare = 1e-3; // impulses below this share of the largest 
 constexpr int    probeSweeps     = 100;  // sweeps over which the growth of impulses is measured
 constexpr double divergentGrowth = 0.03; // least relative growth of diverging impulses
 
+/// The bound for the growth of the impulses since `before`, over V_s [-].
+double boundOfGrowth(const ContactProblem&, const std::vector<LocalVector>& before);
+
 /// Returns true if the impulses grew by at least divergentGrowth since `before`. The growth must
 /// also require a velocity change of more than 3 V_s.
 bool isDivergent(const ContactProblem&, const std::vector<LocalVector>& before);

@@ -92,6 +92,10 @@ private:
 	std::unique_ptr<PackedProblem> packed_;
 };
 
+/// Impulses `probeSweeps` before the last sweep. They belong to islands whose report has a finite
+/// impulseGrowth.
+std::vector<LocalVector> impulsesBeforeProbe(Workspace&);
+
 /// Over-relaxation of sor [-]. It saves a third of the sweeps in dense packings. At 1.6 the sweeps
 /// cycle.
 constexpr double sorRelaxation = 1.3;

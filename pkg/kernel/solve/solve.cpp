@@ -1,5 +1,8 @@
 #include "solve/solve.hpp"
 
+#include <cmath>
+
+#include "problem/infeasibility.hpp"
 #include "problem/island_problem.hpp"
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
@@ -10,6 +13,12 @@
 #include "sweep/packed_problem.hpp"
 
 namespace rcr {
+
+/// Returns true if impulses grew so much that a test of divergence needs those before.
+static bool grewMuch(const Report& swept)
+{
+	return std::isfinite(swept.impulseGrowth) && swept.impulseGrowth > divergentGrowth;
+}
 
 /// Completes the islands that have not converged, or that may have no solution.
 static Report completeIslands(ContactProblem& problem, const std::string& solver,
@@ -37,6 +46,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 	};
 	std::vector<Report>       islands = std::move(report.islands);
 	std::vector<std::int32_t> numbers(problem.inverseMass.size(), unnumbered);
+	std::vector<LocalVector>  earlier; // impulsesBeforeProbe of all islands
 	bool                      changed = false;
 	for (std::size_t number = 0; number < islands.size(); ++number) {
 		Report&             island = islands[number];
@@ -45,7 +55,13 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		if (!needsMore(island, first, last)) continue;
 		IslandProblem part(problem, { first, last }, numbers);
 		Workspace     own;
-		island = complete(part.problem, solver, settings, island, own);
+		std::vector<LocalVector> before;
+		if (grewMuch(island)) {
+			if (earlier.empty()) earlier = impulsesBeforeProbe(workspace);
+			for (PointIterator k = first; k != last; ++k)
+				before.push_back(earlier[*k]);
+		}
+		island = complete(part.problem, solver, settings, island, own, std::move(before));
 		part.store(problem);
 		changed = true;
 	}
@@ -69,7 +85,9 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 		refuse("solver='exact' knows no rolling friction; use 'auto', 'nesterov', 'nlgs' or 'sor'");
 	const PullSubstitution pulled(problem);
 	Report swept = sweepTogether(problem, solver, settings, workspace);
-	if (swept.islands.size() <= 1) return complete(problem, solver, settings, swept, workspace);
+	if (swept.islands.size() <= 1)
+		return complete(problem, solver, settings, swept, workspace,
+		        grewMuch(swept) ? impulsesBeforeProbe(workspace) : std::vector<LocalVector> {});
 	return completeIslands(problem, solver, settings, std::move(swept), workspace);
 }
 

@@ -46,6 +46,7 @@ Report continueAuto(ContactProblem& problem, const Settings& settings, const Rep
 	Report         report   = swept;
 	const auto     left     = [&] { return settings.maxIterations - report.iterations; };
 	const auto     runExact = [&](const Settings& limits, int iterations, int cost) {
+        if (iterations <= 0) return;
         Settings steps      = limits;
         steps.maxIterations = iterations;
         report              = solveExact(problem, steps, report, workspace, cost);

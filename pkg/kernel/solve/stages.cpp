@@ -56,6 +56,7 @@ namespace {
 		Settings           settings; // of the whole problem, then of the island
 		Workspace&         workspace;
 		Report             report;
+		std::vector<LocalVector> before; // impulses before the last probeSweeps; empty: unknown
 		State              state = State::swept;
 
 		Settings remaining() const
@@ -72,6 +73,7 @@ namespace {
 		void sweepAgain()
 		{
 			report = sweepTogether(problem, solver, remaining(), workspace).plusCostOf(report);
+			before.clear();
 		}
 	};
 
@@ -114,25 +116,28 @@ namespace {
 		if (yieldsAgain
 		        || (island.remaining().maxIterations > 0
 		                && mustYield(island.report, island.problem, island.settings,
-		                        island.workspace, !island.report.shape.slim())))
+		                        island.workspace, island.before, !island.report.shape.slim())))
 			island.state = State::infeasible;
 	}
 
 	void takeExactSteps(Island& island)
 	{
 		if (!island.takesExactSteps()) return;
-		auto& [problem, solver, settings, workspace, report, state] = island;
+		auto& [problem, solver, settings, workspace, report, before, state] = island;
 		const Settings left = island.remaining();
+		const int      done = report.iterations;
 		if (solver == "auto" && !isTight(problem, settings))
 			report = continueAuto(problem, settings, report, workspace);
 		else if (left.maxIterations > 0)
 			report = solveExact(problem, left, report, workspace);
+		if (report.iterations > done) before.clear();
 		island.setSolved();
 	}
 
 	void testForYield(Island& island)
 	{
-		if (mustYield(island.report, island.problem, island.settings, island.workspace))
+		if (mustYield(island.report, island.problem, island.settings, island.workspace,
+		            island.before))
 			island.state = State::infeasible;
 	}
 
@@ -194,9 +199,9 @@ namespace {
 } // namespace
 
 Report complete(ContactProblem& problem, const std::string& solver, const Settings& settings,
-        const Report& swept, Workspace& workspace)
+        const Report& swept, Workspace& workspace, std::vector<LocalVector> before)
 {
-	Island island { problem, solver, settings, workspace, swept };
+	Island island { problem, solver, settings, workspace, swept, std::move(before) };
 	for (const Stage& stage : stages)
 		if (island.state == stage.state) stage.run(island);
 	return island.report;

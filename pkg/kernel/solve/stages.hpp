@@ -14,8 +14,8 @@ Report sweepTogether(ContactProblem&, const std::string& solver, const Settings&
 bool takesExactSteps(const std::string& solver, const Settings&, const IslandShape&);
 
 /// Completes an island, or a problem of one island, after its sweeps: runs the stages of the table
-/// in stages.cpp that apply to its state.
+/// in stages.cpp that apply to its state. `before`: impulsesBeforeProbe of the island, if known.
 Report complete(ContactProblem& island, const std::string& solver, const Settings&,
-        const Report& swept, Workspace&);
+        const Report& swept, Workspace&, std::vector<LocalVector> before);
 
 } // namespace rcr

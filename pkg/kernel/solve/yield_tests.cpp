@@ -9,6 +9,8 @@ namespace rcr {
 
 // a test of divergence needs 20 iterations; later passes may be limited to ten
 constexpr int    minIterationsToProbe = 20;
+// bound for growing impulses over V_s from which they are probed; 0.04 in sheared packings
+constexpr double suspiciousBound = 0.1;
 // a rigid contact may exceed yieldImpulse by this many impulses |b_n|/w_nn of its rebound
 constexpr double mostRebounds = 3;
 
@@ -75,7 +77,7 @@ bool mayExceedEnergyBound(const Report& report)
 }
 
 bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings,
-        Workspace& workspace, bool probes)
+        Workspace& workspace, const std::vector<LocalVector>& before, bool probes)
 {
 	if (!settings.mayYield()) return false;
 	if (report.yielded || (mayExceedEnergyBound(report) && exceedsEnergyBound(problem)))
@@ -84,8 +86,9 @@ bool mustYield(const Report& report, const ContactProblem& problem, const Settin
 		if (mustYieldAt(problem, k, settings)) return true;
 	if (report.converged || settings.tolerance == 0) return false;
 	if (hasYielded(problem)) return true;
-	return probes && mayDiverge(report, settings)
-	        && probeDivergence(problem, settings, workspace);
+	if (!probes || !mayDiverge(report, settings)) return false;
+	if (!before.empty() && !(boundOfGrowth(problem, before) > suspiciousBound)) return false;
+	return probeDivergence(problem, settings, workspace);
 }
 
 } // namespace rcr

@@ -17,11 +17,12 @@ bool mustYieldAt(const ContactProblem&, std::size_t point, const Settings&);
 
 /// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
 /// impulses so large that both relative errors are small. `probes`: also sweeps a copy of the
-/// problem to look for impulses that diverge.
+/// problem to look for impulses that diverge, unless the growth since `before` gives no hint of it.
+/// No `before`: unknown.
 bool mustYield(const Report&, const ContactProblem&, const Settings&, Workspace&,
-        bool probes = true);
+        const std::vector<LocalVector>& before, bool probes = true);
 
-/// Also true if the growth of the impulses is NaN or was not measured.
+/// True if the impulses grew much in the last sweeps, or if their growth is NaN or unknown.
 bool mayDiverge(const Report&, const Settings&);
 
 /// Heuristic filter before exceedsEnergyBound. It uses the mass of all bodies of an island and the

@@ -28,6 +28,8 @@ public:
 	void reload(const ContactProblem&, const std::vector<double>& bias);
 	/// Writes the impulses and the velocities recomputed from them.
 	void store(ContactProblem&);
+	/// Impulses saved in a slot, of islands that have saved them.
+	std::vector<LocalVector> savedImpulses(int slot) const;
 	/// Writes the velocities recomputed from the impulses.
 	void storeVelocity(const ContactProblem&, std::vector<PlanarVector>& velocity);
 

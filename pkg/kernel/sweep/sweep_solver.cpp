@@ -16,6 +16,11 @@ constexpr double minSingleResidual = 1e-6; // least residual in floats, which ro
 
 constexpr int    probeSlot        = 2;    // of impulses for tests of divergence
 
+std::vector<LocalVector> impulsesBeforeProbe(Workspace& workspace)
+{
+	return workspace.packed().savedImpulses(probeSlot);
+}
+
 /// Residual of an island; 0 if its errors are rounding errors of velocities.
 static double residualOf(const Measures& m, int points, const Settings& settings)
 {

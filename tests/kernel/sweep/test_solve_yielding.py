@@ -59,6 +59,14 @@ def test_wedge_has_bounded_forces(start):
     assert kinetic_energy(problem, velocity(problem, found["impulse"])) <= free * (1 + 1e-12)
 
 
+@pytest.mark.parametrize("sweeps", [100, 130, 200, 300])
+def test_wedge_yields_after_few_sweeps(sweeps):
+    """The growth of the impulses in the last 100 sweeps, or in all, gives the hint."""
+    for solver in "auto", "nesterov", "nlgs":
+        found = wedge().cold().solve(solver, yield_compliance=COMPLIANCE, max_iterations=sweeps)
+        assert found["yielded"], solver
+
+
 def test_yielding_contacts_obey_their_laws():
     problem = wedge()
     p = problem.solve("auto", yield_compliance=COMPLIANCE, tolerance=1e-7)["impulse"]
