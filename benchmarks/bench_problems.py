@@ -23,7 +23,7 @@ def arguments():
     add("--particles", type=script.integer(), default=2000, help="number of grains")
     add("--eta", type=script.number(), default=0.7, help="elongation, 0 = disc")
     add("--seed", type=script.integer(), default=1, help="seed of the packing")
-    add("--time-step", type=script.number(), default=PROTOCOL.time_steps[0],
+    add("--time-step", type=script.number(), default=PROTOCOL.quick_time_step,
         help="time step of the shear over √(m/σ0)")
     add("--states", type=script.at_least(1), default=5, help="number of problems, at equal strains")
     add("--strain", type=script.number(), default=0.05, help="strain of the last problem")

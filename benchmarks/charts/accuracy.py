@@ -39,7 +39,7 @@ FIRST, LAST, INTERVAL = 0.15, 0.3, 0.03  # strains of the states
 STEPS = 40
 ERRORS = 0.01, 0.03, 0.1, 0.3
 FINEST = ERRORS[0]
-SWEEPS = 30, 100, PROTOCOL.iterations
+SWEEPS = 30, 100, 300
 LIMITS = {f"{sweeps} sweeps": sweeps for sweeps in SWEEPS}  # stand in place of an error
 MOST_SWEEPS = 20_000
 

@@ -110,6 +110,20 @@ def fabric():
     return table(["placing", "contacts", "2θ", "4θ", "6θ", "lowest a_c(ξ)", "at ξ"], rows)
 
 
+def sweeps_of_tests():
+    """Observables of whole tests over the sweeps a step, from benchmarks/sweeps_of_tests.py."""
+    titles = dict(sin_phi="sin φ", friction_mobilization="I_M", mobilized_fraction="share of I_m > 0.99",
+                  beta_n="β_n", a_c_half="a_c(ξ = 0.5)", a_c_weak="a_c(ξ = 1)", a_c="a_c",
+                  coordination_number="Z")
+    of = lambda row, name: f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}"
+    rows = [[f"{row['particles']:.0f}", f"{row['eta']:g}", f"{row['iterations']:.0f}",
+             *(of(row, name) for name in titles),
+             f"{row['mean_overlap']:.1g}", f"{row['max_overlap']:.2g}",
+             f"{100 * row['missed_fraction']:.0f} %"] for row in measured("sweeps-of-tests")]
+    return table(["grains", "η", "sweeps", *titles.values(), "mean overlap [d]",
+                  "largest overlap [d]", "missed steps"], rows)
+
+
 def step_threads():
     """Fastest step of each packing on one and on two threads, from scripts/bench_step.py."""
     groups = {}
@@ -265,7 +279,7 @@ TABLES = {
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
     quasi_static, sloshing, step_threads, parallel, points_of_sides, driven_scenes, meetings,
-    spring_energy, fabric)}
+    spring_energy, fabric, sweeps_of_tests)}
 
 
 def updated(page):

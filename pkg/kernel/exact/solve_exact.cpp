@@ -30,15 +30,9 @@ namespace {
 	constexpr double leastFall = 0.7; // of ‖d‖ in a step that does not diverge [-]
 
 	/// The best impulses so far: those that meet the limits, or with the smallest residual.
-	struct Best {
-		double                   residual, drift, errorEstimate;
+	struct Best : Errors {
 		std::vector<LocalVector> impulse;
 
-		bool meets(const Settings& s) const
-		{
-			return s.areMet(residual, drift, errorEstimate)
-			        || (s.tolerance == 0 && residual == 0);
-		}
 		void offer(const Best& other, const Settings& settings)
 		{
 			if (other.meets(settings) || !(other.residual >= residual)) *this = other; // also of NaN
@@ -139,7 +133,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	const double                   condition = conditionOf(problem, swept.shape);
 	std::vector<ProximalParameter> rho(proximal.size(), ProximalParameter(10 * condition));
 	const auto iterate = [&](double estimate) -> Best {
-		return { residualFromSums(now), driftOf(now, problem.points.size()), estimate,
+		return { { residualFromSums(now), driftOf(now, problem.points.size()), estimate },
 			problem.impulse };
 	};
 	Best         best      = iterate(report.errorEstimate);
@@ -174,11 +168,9 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
-	report.residual      = best.residual;
-	report.drift         = best.drift;
-	report.errorEstimate = best.errorEstimate;
+	static_cast<Errors&>(report) = best;
 	report.dissipated            = dissipatedEnergy(problem);
-	report.impulseGrowth = std::numeric_limits<double>::infinity(); // unknown after exact steps
+	report.impulseGrowth         = std::numeric_limits<double>::infinity(); // unknown after exact steps
 	report.converged     = report.meets(settings);
 	return report.plusCostOf(swept);
 }

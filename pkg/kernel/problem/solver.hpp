@@ -14,11 +14,26 @@
 
 namespace rcr {
 
-struct Report {
+struct Errors {
 	double residual      = 0; // residual.hpp [-]
 	double drift         = 0; // residual.hpp [m/s]
 	double errorEstimate = 0; // error_estimate.hpp; infinity: unknown [-]
-	int    iterations    = 0; // of the island that needs most
+
+	/// Returns true if the residual and the drift meet their tolerances. Tolerance 0 is
+	/// never met.
+	bool meetsResidual(const Settings& s) const { return s.areMet(residual, drift, 0); }
+
+	/// Returns true if residual and estimated error meet their limits. The residual 0 meets the
+	/// tolerance 0.
+	bool meets(const Settings& s) const
+	{
+		return s.areMet(residual, drift, errorEstimate)
+		        || (s.tolerance == 0 && residual == 0);
+	}
+};
+
+struct Report : Errors {
+	int iterations = 0; // of the island that needs most
 	/// Every island has met tolerance and accuracy or meanForceChange, or has the residual 0.
 	/// `solve` revokes this if a blocked contact closes, or if an island exceeds an energy bound
 	/// (infeasibility.hpp).
@@ -34,18 +49,6 @@ struct Report {
 
 	IslandShape         shape;   // of an island
 	std::vector<Report> islands; // of each island
-
-	/// Returns true if the residual and the drift meet their tolerances. Tolerance 0 is
-	/// never met.
-	bool meetsResidual(const Settings& s) const { return s.areMet(residual, drift, 0); }
-
-	/// Returns true if residual and estimated error meet their limits. The residual 0 meets the
-	/// tolerance 0.
-	bool meets(const Settings& s) const
-	{
-		return s.areMet(residual, drift, errorEstimate)
-		        || (s.tolerance == 0 && residual == 0);
-	}
 
 	/// This report with the iterations and the work of an earlier one added.
 	Report plusCostOf(const Report& before) const

@@ -1,4 +1,5 @@
-// Changes of impulses and velocities of an island, for the error estimate and tests of divergence.
+// Saved impulses, and changes of impulses and velocities of an island, for the error estimate and
+// tests of divergence.
 #include "sweep/packed_island.hpp"
 
 namespace rcr {
@@ -30,6 +31,28 @@ void PackedIsland::saveImpulses(int slot)
 	});
 	for (int k = state_.overflow.begin; k < state_.overflow.end; ++k)
 		packed_.savedOverflow_[slot][k] = packed_.overflow_[k].p;
+}
+
+std::vector<LocalVector> PackedProblem::savedImpulses(int slot) const
+{
+	std::vector<std::int32_t> firstPointBlock; // of each block of pairs
+	for (const Chunk& chunk : layout_.chunks())
+		for (int k = 0; k < chunk.blocks; ++k)
+			firstPointBlock.push_back(chunk.firstPointBlock + k * chunk.pointsPerPair);
+	std::vector<LocalVector> saved;
+	for (const PackedPair& pair : layout_.pairs()) {
+		saved.resize(pair.firstPoint + pair.points);
+		if (pair.slot == none) continue;
+		const int lane = pair.slot % blockWidth;
+		for (int i = 0; i < pair.points; ++i) {
+			const Column* at = &savedPoint_[slot][2 * (firstPointBlock[pair.slot / blockWidth] + i)];
+			saved[pair.firstPoint + i] = { at[0].of[lane],
+				hasFriction(pair.model) ? at[1].of[lane] : 0 };
+		}
+	}
+	for (std::size_t k = 0; k < overflow_.size(); ++k)
+		saved[overflow_[k].point] = savedOverflow_[slot][k];
+	return saved;
 }
 
 PackedIsland::Change PackedIsland::changeSinceSaved(int slot)

@@ -312,28 +312,6 @@ void PackedProblem::store(ContactProblem& problem)
 	if (stretches_) problem.setStretchRate(stretchRate_);
 }
 
-std::vector<LocalVector> PackedProblem::savedImpulses(int slot) const
-{
-	std::vector<std::int32_t> firstPointBlock; // of each block of pairs
-	for (const Chunk& chunk : layout_.chunks())
-		for (int k = 0; k < chunk.blocks; ++k)
-			firstPointBlock.push_back(chunk.firstPointBlock + k * chunk.pointsPerPair);
-	std::vector<LocalVector> saved;
-	for (const PackedPair& pair : layout_.pairs()) {
-		saved.resize(pair.firstPoint + pair.points);
-		if (pair.slot == none) continue;
-		const int lane = pair.slot % blockWidth;
-		for (int i = 0; i < pair.points; ++i) {
-			const Column* at = &savedPoint_[slot][2 * (firstPointBlock[pair.slot / blockWidth] + i)];
-			saved[pair.firstPoint + i] = { at[0].of[lane],
-				hasFriction(pair.model) ? at[1].of[lane] : 0 };
-		}
-	}
-	for (std::size_t k = 0; k < overflow_.size(); ++k)
-		saved[overflow_[k].point] = savedOverflow_[slot][k];
-	return saved;
-}
-
 void PackedProblem::storeVelocity(
         const ContactProblem& problem, std::vector<PlanarVector>& velocity)
 {

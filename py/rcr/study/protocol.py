@@ -59,7 +59,7 @@ class Protocol:
     inertial_number: float = 1e-4  # I [-]; averages are near their limit I → 0
     sample_inertia: float = 2e-5  # ρ (v W/2h)²/σ₀ at most [-]; at 2e-4 the sample sloshes
     approach: float = 0.1  # strain up to which the shear is quick [-]
-    time_steps: tuple = (0.1, 1.0)  # shortest dt of quicker and longest of slower shear [t₀]
+    quick_time_step: float = 0.1  # dt of quick shear, at most [t₀]
     quick_inertial_number: float = 1e-3  # I of quick shear, at least [-]
     acceleration_stress: float = 0.005  # of the packing by the top wall, at most [σ₀]
     iterations: int = 300  # of the solver in a step, at most

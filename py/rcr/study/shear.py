@@ -157,14 +157,10 @@ def box(test, strain=None):
 
 
 def time_step(test, rate):
-    """Return dt/t₀ at a rate I, at most; `Biaxial.go_back` divides it. Springs have their own.
-
-    Between the bounds, steps of all rates have the same strain.
-    """
+    """Return dt/t₀ at a rate I, at most; `Biaxial.go_back` divides it. Springs have their own."""
     given, step = test.parameters["inertial_number"], test.parameters["time_step"]
-    shortest, longest = PROTOCOL.time_steps
-    bounded = min(max(step * given / rate, min(step, shortest)), max(step, longest))
-    return bounded / test.progress["divisor"]
+    shortest = min(step, PROTOCOL.quick_time_step)
+    return min(max(step * given / rate, shortest), step) / test.progress["divisor"]
 
 
 def next_record(test):

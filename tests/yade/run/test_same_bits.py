@@ -19,7 +19,7 @@ def shear(folder, threads, lanes):
     test.solver.threads, test.solver.lanes = threads, lanes
     speed = PROTOCOL.quick_inertial_number / test.time_unit * test.progress["first_height"]
     O.bodies[test.top].state.vel = Vector3(0, -speed, 0)
-    O.dt = PROTOCOL.time_steps[0] * test.time_unit
+    O.dt = PROTOCOL.quick_time_step * test.time_unit
     for _ in range(STEPS):
         O.step()
         digest = hashlib.blake2b()
