@@ -101,7 +101,7 @@ def sloshing():
 
 
 def fabric():
-    """Fabric of packings of discs, from benchmarks/fabric.py."""
+    """Fabric of packings of discs, from benchmarks/placing.py."""
     names = *(f"amplitude_{k}" for k in (2, 4, 6)), "a_c_min"
     titles = dict(layers="in layers", random="at random", sizes="in layers, R_max = 3 R_min")
     rows = [[titles[row["case"]], row["contacts"],

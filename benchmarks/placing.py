@@ -1,18 +1,23 @@
-"""Fabric of packings of discs that are placed, sized or cut differently.
+"""Observables of packings of grains that are placed or sized differently.
 
-    scripts/yade-rcr -n -x benchmarks/fabric.py --particles 4000 --seeds 1,2 --out fabric
+    scripts/yade-rcr -n -x benchmarks/placing.py --particles 4000 --seeds 1,2 --out placing
+    scripts/yade-rcr -n -x benchmarks/placing.py --eta 0.7 --particles 4000 --out placing-0.7
 
-Each case compacts discs and shears them as scripts/biaxial.py does, to a strain of 0.3. A run that
+Each case compacts grains and shears them as scripts/biaxial.py does, to a strain of 0.3. A run that
 is stopped continues with the same command. Cases:
 
     layers   circles deposited layer by layer, as in the study
     random   random sequential addition: each circle at a random free place, large ones first
     sizes    layers, with R_max = 3 R_min
 
-After the compaction, the amplitude of cos k(θ − θ_k) in 2π P(θ), of the contact directions θ, is
-2 |⟨exp(i k θ)⟩|. In the shear, a_c(ξ) is that of the ξ-networks at strains of 0.15 to 0.3 [-].
-*Inner* contacts are more than `MARGIN` mean diameters away from the walls. Prints a table and
-writes DIR/fabric.csv: means over seeds, errors are standard errors.
+Prints a table and writes it to DIR: means over seeds, errors are standard errors.
+
+fabric.csv
+    Of discs. After the compaction, the amplitude of cos k(θ − θ_k) in 2π P(θ), of the contact
+    directions θ, is 2 |⟨exp(i k θ)⟩|. In the shear, a_c(ξ) is that of the ξ-networks at strains of
+    0.15 to 0.3 [-]. *Inner* contacts are more than `MARGIN` mean diameters away from the walls.
+long-grains.csv
+    Of other grains: observables at strains of 0.15 to 0.3, and the ξ at which a_ln(ξ) is lowest.
 """
 
 import math
@@ -20,8 +25,10 @@ import os
 
 import numpy as np
 
+from benchmarks.charts.quasi_static import observed
 from rcr import script
 from rcr._data import files
+from rcr.ensemble import Ensemble
 from rcr.network import Network
 from rcr.statistics import standard_error
 from rcr.study.biaxial import Biaxial
@@ -32,8 +39,9 @@ LOOSE, FIRST, LAST, INTERVAL = 0.45, 0.15, 0.3, 0.01  # packing fraction; strain
 MARGIN = 5  # mean diameters
 HARMONICS = 2, 4, 6
 XI = np.arange(0.2, 1.5, 0.05)  # cutoffs f_n/⟨f_n⟩ [-]
-COLUMNS = ["case", "grains", "seeds", "contacts", *(f"amplitude_{k}" for k in HARMONICS), "a_c_min",
-           "xi_min", "a_c"]
+XI_LN = np.arange(0.05, 6.01, 0.05)  # the same of a_ln
+OF_DISCS = *(f"amplitude_{k}" for k in HARMONICS), "a_c_min", "a_c"
+OF_LONG_GRAINS = "beta_n", "weak_fraction", "a_c_weak", "c_f_lr", "c_f_l", "half_sum", "xi_a_ln"
 
 
 def randomly(radii, rng):
@@ -61,7 +69,7 @@ def cases(seed):
                 sizes=dict(size_span=3))
 
 
-def sheared(folder, particles, seed, parameters):
+def sheared(folder, eta, particles, seed, parameters):
     """Networks after the compaction and in the shear of a test, made or continued."""
     os.makedirs(folder, exist_ok=True)
     path = lambda strain: os.path.join(folder, f"{strain:.2f}.h5")
@@ -70,7 +78,7 @@ def sheared(folder, particles, seed, parameters):
         if os.path.exists(os.path.join(folder, CHECKPOINT)):
             test = Biaxial.load(folder)
         else:
-            test = Biaxial.prepare(0, particles, seed, threads=1, **parameters)
+            test = Biaxial.prepare(eta, particles, seed, threads=1, **parameters)
             test.compact()
             test.isotropic.save(path(0))
             test.save(folder)
@@ -112,37 +120,62 @@ def weak_fabrics(networks, inner):
     return np.mean(found, axis=0)
 
 
-def row(case, particles, tests, inner):
-    """Row of the CSV; `tests`: (compacted, sheared) of each seed."""
+def of_discs(tests, inner):
+    """Values of `OF_DISCS` of each test, (compacted, sheared), and the ξ of the lowest a_c."""
     first = np.array([amplitudes(compacted, inner) for compacted, _ in tests])
     fabrics = np.array([weak_fabrics(networks, inner) for _, networks in tests])
     lowest = fabrics[:, :-1].mean(0).argmin()
-    result = dict(case=case, grains=particles, seeds=len(tests),
-                  contacts="inner" if inner else "all", xi_min=XI[lowest])
-    columns = [*first.T, fabrics[:, lowest], fabrics[:, -1]]
-    names = [*(f"amplitude_{k}" for k in HARMONICS), "a_c_min", "a_c"]
-    for name, values in zip(names, columns):
-        result[name] = float(values.mean())
-        result[f"{name}_error"] = float(standard_error(values))
-    return result
+    return [*first.T, fabrics[:, lowest], fabrics[:, -1]], XI[lowest]
+
+
+def of_long_grains(networks):
+    """Values of `OF_LONG_GRAINS` of a test."""
+    ensemble = Ensemble(networks)
+    found = observed(networks) | ensemble.correlations()
+    a_ln = ensemble.xi_networks.anisotropies(XI_LN).a_ln
+    return [(found | dict(xi_a_ln=XI_LN[a_ln.argmin()]))[name] for name in OF_LONG_GRAINS]
+
+
+def row(about, names, columns):
+    """Row of a table: `about`, then mean and standard error of each column, values of the seeds."""
+    means = {name: float(np.mean(values)) for name, values in zip(names, columns)}
+    errors = {f"{name}_error": float(standard_error(v)) for name, v in zip(names, columns)}
+    return about | means | errors
+
+
+def rows(case, tests, about):
+    about = dict(case=case, **about)
+    if about["eta"] > 0:
+        values = [of_long_grains(networks) for _, networks in tests]
+        return [row(about, OF_LONG_GRAINS, np.transpose(values))]
+    found = []
+    for inner in False, True:
+        columns, lowest = of_discs(tests, inner)
+        contacts = dict(contacts="inner" if inner else "all", xi_min=lowest)
+        found.append(row(about | contacts, OF_DISCS, columns))
+    return found
 
 
 def main():
-    parser = script.Parser(prog="fabric.py", description=__doc__.splitlines()[0])
+    parser = script.Parser(prog="placing.py", description=__doc__.splitlines()[0])
+    eta = script.number("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1)
+    parser.add_argument("--eta", type=eta, default=0)
     parser.add_argument("--particles", type=script.at_least(500), default=4000, metavar="N")
     parser.add_argument("--seeds", default="1,2", help="separated by commas")
-    parser.add_argument("--out", type=script.folder, default="fabric", metavar="DIR")
+    parser.add_argument("--out", type=script.folder, default="placing", metavar="DIR")
     options = parser.parse_args()
-    rows = []
+    seeds = [int(seed) for seed in options.seeds.split(",")]
+    about = dict(eta=options.eta, grains=options.particles, seeds=len(seeds))
+    table = []
     for case in cases(0):
-        tests = [sheared(os.path.join(options.out, f"{case}-{seed}"), options.particles, seed,
-                         cases(seed)[case]) for seed in map(int, options.seeds.split(","))]
-        for inner in False, True:
-            rows.append(row(case, options.particles, tests, inner))
+        tests = [sheared(os.path.join(options.out, f"{case}-{seed}"), options.eta,
+                         options.particles, seed, cases(seed)[case]) for seed in seeds]
+        for one in rows(case, tests, about):
+            table.append(one)
             print("  ".join(f"{name} {value:.3g}" if isinstance(value, float) else str(value)
-                            for name, value in rows[-1].items()), flush=True)
-    columns = [*COLUMNS, *(f"{name}_error" for name in COLUMNS if f"{name}_error" in rows[0])]
-    files.write(os.path.join(options.out, "fabric.csv"), files.table(columns, rows))
+                            for name, value in one.items()), flush=True)
+    name = "long-grains.csv" if options.eta > 0 else "fabric.csv"
+    files.write(os.path.join(options.out, name), files.table(list(table[0]), table))
 
 
 script.run(main)
