@@ -45,6 +45,7 @@ struct Tolerances {
 struct Trend {
 	int from       = 0; // sweeps before the test; 0: no test
 	int mostSweeps = 0; // that the trend may take
+	int mostBeyond = 0; // sweeps for other criteria, once the residual has met its tolerance
 };
 
 struct Settings : Tolerances {

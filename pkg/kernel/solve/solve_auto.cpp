@@ -32,8 +32,11 @@ Settings firstSweepsOfAuto(const Settings& settings, const IslandShape& shape)
 		return sweeps;
 	}
 	if (shape.points > fineProblem) sweeps.accuracy = shape.goal(settings.accuracy);
-	if (shape.points <= smallProblem)
-		sweeps.trend = { firstSweeps, sweepsFor(trendIterations, shape.points) };
+	if (shape.points <= smallProblem) {
+		const int  most    = sweepsFor(trendIterations, shape.points);
+		const bool relaxed = sweeps.accuracy > settings.accuracy; // sweeps may reach it
+		sweeps.trend       = { firstSweeps, most, relaxed ? most : 0 };
+	}
 	return sweeps;
 }
 

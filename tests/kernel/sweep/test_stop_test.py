@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from kernel.contact_problems import pile
 from rcr import _kernel
 
 
@@ -74,3 +75,12 @@ STALL = dict(residual=valley, stall_sweeps=15)
 ])
 def test_sweeps_until_the_stop(settings, sweeps):
     assert run(**dict(residual=falling) | settings)[0] == sweeps
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+def test_auto_waits_for_the_estimate_of_sweeps(seed):
+    """A pile of 700 points: its residual meets the tolerance before the estimate meets the goal."""
+    settings = dict(tolerance=1e-4, accuracy=0.01, max_iterations=3000)
+    auto, sweeps = (pile(seed, 15, 15).cold().solve(s, **settings) for s in ("auto", "nesterov"))
+    assert auto["converged"] and sweeps["converged"]
+    assert auto["iterations"] <= sweeps["iterations"]
