@@ -133,7 +133,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	const double                   condition = conditionOf(problem, swept.shape);
 	std::vector<ProximalParameter> rho(proximal.size(), ProximalParameter(10 * condition));
 	const auto iterate = [&](double estimate) -> Best {
-		return { { residualFromSums(now), driftOf(now, problem.points.size()), estimate },
+		return { { residualFromSums(now), creepOf(now, problem.points.size()), estimate },
 			problem.impulse };
 	};
 	Best         best      = iterate(report.errorEstimate);

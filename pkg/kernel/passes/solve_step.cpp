@@ -63,7 +63,7 @@ static Settings firstPass(const Call& call, const YieldBounds& bounds)
 	Settings s         = passSettings(call.settings, bounds);
 	s.roundingVelocity = call.step.roundingVelocity(call.workspace.team());
 	// overdamped steps leave no overlap
-	if (!call.step.overdamped) s.driftTolerance = driftTolerance(call.step);
+	if (!call.step.overdamped) s.creepTolerance = creepTolerance(call.step);
 	if (call.settings.squeezed) s.maxIterations *= squeezedEffort;
 	return s;
 }

@@ -26,7 +26,7 @@ struct StepHost : NewContacts {
 
 struct StepSettings {
 	std::string solver = "auto";
-	Settings    pass; // of a solve; yielding bounds, rounding and drift follow from the step
+	Settings    pass; // of a solve; yielding bounds, rounding and creep follow from the step
 	double      correction      = 0.1; // share of an overlap that a step removes [-]
 	double      yieldCompliance = 1;   // over the default [-]; 0: contacts never yield
 	/// Grains are squeezed: ten times as many iterations, since a lack of them must not look like a

@@ -20,7 +20,7 @@ Measures measuresOf(const ContactProblem& given, double leastResponse)
 	return m;
 }
 
-double driftOf(const Measures& m, double points)
+double creepOf(const Measures& m, double points)
 {
 	if (!(points > 0)) return 0;
 	constexpr double share = 0.2; // in sheared packings, 0.1 costs three times the sweeps

@@ -72,10 +72,10 @@ inline double residualFromSums(double error2, double impulse2, double stopping2)
 	return relativeRms(error2, std::max(impulse2, 1e-16 * stopping2));
 }
 
-/// RMS of w_nn |d| over a number of points [m/s]: errors of velocities that would add up to overlaps
-/// from step to step. 0 below a share of the typical speed (mean √(|u_n| + |u_t|))², at which
-/// contacts change sooner. A few fast contacts hardly raise this mean.
-double driftOf(const Measures&, double points);
+/// Creep: RMS of w_nn |d| over a number of points [m/s]. Errors of velocities would add up to
+/// overlaps from step to step. 0 below a share of the typical speed (mean √(|u_n| + |u_t|))², at
+/// which contacts change sooner. A few fast contacts hardly raise this mean.
+double creepOf(const Measures&, double points);
 
 inline double residualFromSums(const Measures& m)
 {

@@ -19,8 +19,8 @@ struct Tolerances {
 	/// IslandShape::goal relaxes it for dense packings with friction. Infinity: no test.
 	double accuracy = std::numeric_limits<double>::infinity();
 
-	/// Largest drift of an island [m/s] (residual.hpp).
-	double driftTolerance = std::numeric_limits<double>::infinity();
+	/// Largest creep of an island [m/s] (residual.hpp).
+	double creepTolerance = std::numeric_limits<double>::infinity();
 
 	/// Rounding error of velocities [m/s]. An island whose RMS error w_nn |p − P_K(…)| is smaller
 	/// counts as solved, for example bodies that fly together.
@@ -31,11 +31,11 @@ struct Tolerances {
 	/// 1e-3 already at a residual of 1e-2. 0: not used.
 	double meanForceChange = 0;
 
-	/// Returns true if residual, drift and estimated error meet their limits. Tolerance 0 is
+	/// Returns true if residual, creep and estimated error meet their limits. Tolerance 0 is
 	/// never met.
-	bool areMet(double residual, double drift, double errorEstimate) const
+	bool areMet(double residual, double creep, double errorEstimate) const
 	{
-		return tolerance > 0 && residual <= tolerance && drift <= driftTolerance
+		return tolerance > 0 && residual <= tolerance && creep <= creepTolerance
 		        && errorEstimate <= accuracy;
 	}
 };

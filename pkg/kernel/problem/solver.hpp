@@ -16,18 +16,18 @@ namespace rcr {
 
 struct Errors {
 	double residual      = 0; // residual.hpp [-]
-	double drift         = 0; // residual.hpp [m/s]
+	double creep         = 0; // residual.hpp [m/s]
 	double errorEstimate = 0; // error_estimate.hpp; infinity: unknown [-]
 
-	/// Returns true if the residual and the drift meet their tolerances. Tolerance 0 is
+	/// Returns true if the residual and the creep meet their tolerances. Tolerance 0 is
 	/// never met.
-	bool meetsResidual(const Settings& s) const { return s.areMet(residual, drift, 0); }
+	bool meetsResidual(const Settings& s) const { return s.areMet(residual, creep, 0); }
 
 	/// Returns true if residual and estimated error meet their limits. The residual 0 meets the
 	/// tolerance 0.
 	bool meets(const Settings& s) const
 	{
-		return s.areMet(residual, drift, errorEstimate)
+		return s.areMet(residual, creep, errorEstimate)
 		        || (s.tolerance == 0 && residual == 0);
 	}
 };

@@ -27,7 +27,7 @@ static double closingVelocity(const Step& step, const ContactPoint& c)
 	return u < -rounding * fastest ? u : 0;
 }
 
-double driftTolerance(const Step& step)
+double creepTolerance(const Step& step)
 {
 	constexpr double share = 3e-7;
 	double           size  = 0;

@@ -26,8 +26,8 @@ class ThreadTeam;
 /// endlessly.
 constexpr double contactSlop = 1e-4;
 
-/// Drift that a step may leave (problem/residual.hpp): 3e-7 of the mean R₁ + R₂ a step [m/s].
-double driftTolerance(const struct Step&);
+/// Creep that a step may leave (problem/residual.hpp): 3e-7 of the mean R₁ + R₂ a step [m/s].
+double creepTolerance(const struct Step&);
 
 /// Upper bound of the speed of all points of a body [m/s].
 inline double maxSpeed(const PlanarVector& v, double radius)

@@ -10,13 +10,13 @@ namespace rcr {
 /// Measured values of the quantities that may stop the sweeps [-].
 struct Criteria {
 	double residual        = 0;
-	double drift           = 0; // residual.hpp [m/s]
+	double creep           = 0; // residual.hpp [m/s]
 	double errorEstimate   = unknownError;
 	double meanForceChange = std::numeric_limits<double>::infinity();
 
 	bool met(const Settings& settings) const
 	{
-		return settings.areMet(residual, drift, errorEstimate)
+		return settings.areMet(residual, creep, errorEstimate)
 		        || meanForceChange < settings.meanForceChange;
 	}
 };

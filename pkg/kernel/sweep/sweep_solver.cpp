@@ -71,7 +71,7 @@ Criteria IslandStop::evaluate(bool atEnd)
 	const Measures m = island_.measure();
 	Criteria       criteria;
 	criteria.residual = residualOf(m, island_.points(), settings());
-	if (criteria.residual > 0) criteria.drift = driftOf(m, island_.points());
+	if (criteria.residual > 0) criteria.creep = creepOf(m, island_.points());
 	// NaN without forces or an earlier evaluation: not met
 	criteria.meanForceChange = std::abs(m.normal - normal_) / m.normal;
 	normal_                  = m.normal;
@@ -79,7 +79,7 @@ Criteria IslandStop::evaluate(bool atEnd)
 	          ? 0
 	          : island_.norm().factor * island_.shape().conditionOfSweeps()
 	                * relativeRms(m.errorEnergy, m.impulseEnergy);
-	if (!atEnd && !settings().areMet(criteria.residual, criteria.drift, 0)) return criteria;
+	if (!atEnd && !settings().areMet(criteria.residual, criteria.creep, 0)) return criteria;
 	// a smooth error changes only after impulses have crossed the island
 	if (sweeps() < island_.shape().diameter) return criteria;
 	const auto distance = [&](int slot) { return std::abs(2 * saved_[slot].sweeps - sweeps()); };
@@ -128,7 +128,7 @@ static Report reportOf(const Sums& sums, const Settings& settings)
 	const Measures& m = sums.measures;
 	Report          report;
 	report.residual   = residualOf(m, sums.points, settings);
-	if (report.residual > 0) report.drift = driftOf(m, sums.points);
+	if (report.residual > 0) report.creep = creepOf(m, sums.points);
 	report.dissipated = m.dissipated;
 	report.freeSpeed  = sums.points > 0 ? std::sqrt(sums.freeVelocity2 / sums.points) : 0;
 	report.mass       = sums.mass;
@@ -149,7 +149,7 @@ Report reportOf(const std::vector<IslandEnd>& ends, const Settings& settings)
 		island.errorEstimate = end.criteria.errorEstimate;
 		Criteria criteria    = end.criteria;
 		criteria.residual    = island.residual;
-		criteria.drift       = island.drift;
+		criteria.creep       = island.creep;
 		island.converged     = criteria.met(end.settings) || island.meets(end.settings);
 		island.iterations    = end.sweeps;
 		island.work          = double(end.sweeps) * end.sums.points;
