@@ -50,7 +50,7 @@ if(YADE_HEADERS_FOUND)
 		"libyade (<< ${yade_source_version}.0)"
 		"python3 (>= ${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR})"
 		"python3 (<< ${Python3_VERSION_MAJOR}.${rcr_next_python})"
-		${rcr_amd} libgl1 python3-numpy
+		${rcr_amd} libgl1 python3-numpy python3-scipy
 		python3-h5py python3-matplotlib python3-tqdm)
 	set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-meshio, ffmpeg, python3-ipykernel")
 endif()

@@ -12,6 +12,7 @@ import signal
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 from rcr._data import files
 from rcr._data.files import atomic_path
@@ -213,21 +214,7 @@ def interruptible(call, *arguments):
 
     Python handles signals between two steps of the main thread, so another thread makes the call.
     """
-    outcome = []
-
-    def target():
-        try:
-            outcome.append((call(*arguments), None))
-        except BaseException as error:
-            outcome.append((None, error))
-
-    thread = threading.Thread(target=target, daemon=True)
-    thread.start()
-    thread.join()
-    result, error = outcome[0]
-    if error:
-        raise error
-    return result
+    return ThreadPoolExecutor(1).submit(call, *arguments).result()
 
 
 def _interrupt(number):

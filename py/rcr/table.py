@@ -77,11 +77,6 @@ class Table:
         """Return the rows of the grains with these ids, −1 for other ids."""
         return rows(self.grains["id"], ids)
 
-    @property
-    def between_grains(self):
-        """Mask of the contacts between grains, fixed ones included, (C,) bool."""
-        return self.rows(self.contacts["body2"]) >= 0
-
     def free_ends(self):
         """Return masks of the contacts whose body 1 and whose body 2 is a free grain, (2, C)."""
         free = np.append(~self.grains["fixed"], False)  # the last row is for obstacles

@@ -106,7 +106,11 @@ public:
 	// clang-format on
 	DECLARE_LOGGER;
 private:
-	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
+	/// Runs `work` and adds its duration to the stage.
+	template <class Work> auto timed(const char* stage, Work work)
+	{
+		return rcr::timed([&](double seconds) { times_.add(stage, seconds); }, work);
+	}
 	int           solverThreads() const;
 	rcr::StepSettings stepSettings() const;
 	rcr::StepHost stepHost(const validation::Engines&);

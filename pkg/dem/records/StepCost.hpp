@@ -35,12 +35,6 @@ struct StepModel {
 /// Wall time of the stages of ContactDynamics, summed over its steps [s].
 class StageTimes {
 public:
-	/// Runs `work` and adds its duration to the stage.
-	template <class Work> auto measure(const char* stage, Work work)
-	{
-		return rcr::timed([&](double seconds) { add(stage, seconds); }, work);
-	}
-
 	void add(const std::string& stage, double seconds)
 	{
 		const std::lock_guard<std::mutex> lock(mutex_);

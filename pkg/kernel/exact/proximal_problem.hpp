@@ -51,28 +51,6 @@ struct Piece {
 
 using BodyVector = std::vector<BlockVector>;
 
-/// Ĵ y of one contact point.
-inline LocalVector relativeVelocity(const ScaledContact& c, const BodyVector& y)
-{
-	const double* a = y[c.body1].entry;
-	const double* b = y[c.body2].entry;
-	LocalVector   u;
-	for (int i = 0; i < 3; ++i) {
-		u.n += c.normal1.entry[i] * a[i] + c.normal2.entry[i] * b[i];
-		u.t += c.tangent1.entry[i] * a[i] + c.tangent2.entry[i] * b[i];
-	}
-	return u;
-}
-
-/// y ← y + Ĵᵀ p of one contact point.
-inline void applyImpulse(const ScaledContact& c, const LocalVector& p, BodyVector& y)
-{
-	for (int i = 0; i < 3; ++i) {
-		y[c.body1].entry[i] += c.normal1.entry[i] * p.n + c.tangent1.entry[i] * p.t;
-		y[c.body2].entry[i] += c.normal2.entry[i] * p.n + c.tangent2.entry[i] * p.t;
-	}
-}
-
 inline double dot(const BlockVector& a, const BlockVector& b)
 {
 	return a.entry[0] * b.entry[0] + a.entry[1] * b.entry[1] + a.entry[2] * b.entry[2];
@@ -85,14 +63,24 @@ public:
 	/// Ĵ y of a contact point.
 	LocalVector relativeVelocity(std::size_t i, const BodyVector& y) const
 	{
-		LocalVector u = rcr::relativeVelocity(contacts[i], y);
+		const ScaledContact& c = contacts[i];
+		const double *       a = y[c.body1].entry, *b = y[c.body2].entry;
+		LocalVector          u;
+		for (int k = 0; k < 3; ++k) {
+			u.n += c.normal1.entry[k] * a[k] + c.normal2.entry[k] * b[k];
+			u.t += c.tangent1.entry[k] * a[k] + c.tangent2.entry[k] * b[k];
+		}
 		if (cellRows.empty()) return u;
 		return u + LocalVector { dot(cellRows[i].normal, y.back()), dot(cellRows[i].tangent, y.back()) };
 	}
 	/// y ← y + Ĵᵀ p of a contact point.
 	void applyImpulse(std::size_t i, LocalVector p, BodyVector& y) const
 	{
-		rcr::applyImpulse(contacts[i], p, y);
+		const ScaledContact& c = contacts[i];
+		for (int k = 0; k < 3; ++k) {
+			y[c.body1].entry[k] += c.normal1.entry[k] * p.n + c.tangent1.entry[k] * p.t;
+			y[c.body2].entry[k] += c.normal2.entry[k] * p.n + c.tangent2.entry[k] * p.t;
+		}
 		if (cellRows.empty()) return;
 		for (int k = 0; k < 2; ++k)
 			y.back().entry[k] += cellRows[i].normal.entry[k] * p.n + cellRows[i].tangent.entry[k] * p.t;

@@ -57,7 +57,7 @@ static const char* pointError(const ContactProblem& problem, std::size_t k)
 void ContactProblem::setStretchRate(Vec2 now)
 {
 	for (ContactPoint& c : points)
-		c.drift = c.freeDrift(stretchRate) + componentwise(now, c.shift);
+		c = withStretchRate(c, now);
 	stretchRate = now;
 }
 
@@ -85,16 +85,21 @@ Vec2 addImpulses(const ContactProblem& problem, const std::vector<LocalVector>& 
 	return rate;
 }
 
-void updateVelocity(ContactProblem& problem)
+Vec2 velocitiesOf(const ContactProblem& problem, std::vector<PlanarVector>& velocity)
 {
-	problem.velocity       = problem.freeVelocity;
-	const Vec2 stretchRate = addImpulses(problem, problem.impulse, problem.velocity);
+	velocity               = problem.freeVelocity;
+	const Vec2 stretchRate = addImpulses(problem, problem.impulse, velocity);
 	for (std::size_t k = 0; k < problem.rollingImpulse.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		applyRollingImpulse(c, problem.rollingImpulse[k], problem.inverseMass[c.body1],
-		        problem.inverseMass[c.body2], problem.velocity[c.body1],
-		        problem.velocity[c.body2]);
+		        problem.inverseMass[c.body2], velocity[c.body1], velocity[c.body2]);
 	}
+	return stretchRate;
+}
+
+void updateVelocity(ContactProblem& problem)
+{
+	const Vec2 stretchRate = velocitiesOf(problem, problem.velocity);
 	if (problem.stretches()) problem.setStretchRate(stretchRate);
 }
 

@@ -148,6 +148,12 @@ struct ContactProblem {
 	}
 	/// Sets the stretch rate and updates the drifts of all points.
 	void setStretchRate(Vec2);
+	/// A point at another stretch rate of the cell.
+	ContactPoint withStretchRate(ContactPoint c, Vec2 rate) const
+	{
+		c.drift = c.freeDrift(stretchRate) + componentwise(rate, c.shift);
+		return c;
+	}
 	/// Adds δg ∘ r to the velocities of all bodies.
 	void addStretch(Vec2 rate, std::vector<PlanarVector>& velocity) const;
 
@@ -259,6 +265,9 @@ Vec2 addImpulses(const ContactProblem&, const std::vector<LocalVector>&,
 
 /// Writes v_free + M⁻¹ Jᵀ p to `velocity`, and sets the stretch rate if the cell can stretch.
 void updateVelocity(ContactProblem&);
+
+/// Sets the velocities of the impulses [m/s]. Returns the stretch rate [1/s].
+Vec2 velocitiesOf(const ContactProblem&, std::vector<PlanarVector>& velocity);
 
 /// Throws std::invalid_argument that names the body or point. Rejects arrays of different lengths,
 /// ids out of range, numbers that are not finite, negative masses, and friction outside 0 … 1000.

@@ -2,19 +2,23 @@
 
 namespace rcr {
 
-Measures measuresOf(const ContactProblem& given, double leastResponse)
+Measures measuresOf(const ContactProblem& problem)
 {
-	ContactProblem problem = given;
-	updateVelocity(problem);
+	std::vector<PlanarVector> velocity;
+	const Vec2                stretchRate = velocitiesOf(problem, velocity);
 	Measures m;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
-		const ContactPoint& c = problem.points[k];
-		const double        w = delassus(problem, c).nn;
-		if (w > 0)
-			m += measuresOf(problem.impulse[k], relativeVelocity(problem, c), c.bias, c.friction, w,
-			        leastResponse);
+		const ContactPoint& c  = problem.points[k];
+		const PlanarVector &v1 = velocity[c.body1], &v2 = velocity[c.body2];
+		const double        w  = delassus(problem, c).nn;
+		if (w > 0) {
+			const LocalVector u = problem.stretches()
+			        ? relativeVelocity(problem.withStretchRate(c, stretchRate), v1, v2)
+			        : relativeVelocity(c, v1, v2);
+			m += measuresOf(problem.impulse[k], u, c.bias, c.friction, w);
+		}
 		if (c.rolls())
-			m += rollingMeasures(problem.rollingImpulse[k], rollingVelocity(problem, c),
+			m += rollingMeasures(problem.rollingImpulse[k], rollingVelocity(c, v1, v2),
 			        c.rollingFriction * problem.impulse[k].n, rollingResponse(problem, c));
 	}
 	return m;

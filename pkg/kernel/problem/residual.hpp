@@ -22,8 +22,8 @@ namespace rcr {
 constexpr double maxFriction = 1e3;
 
 /// Sums over the points. The velocities u are recomputed from the impulses. Points between two
-/// prescribed bodies (w_nn = 0) do not count. `leastResponse`: see Measures.
-Measures measuresOf(const ContactProblem&, double leastResponse = 0);
+/// prescribed bodies (w_nn = 0) do not count.
+Measures measuresOf(const ContactProblem&);
 /// Residual of the impulses.
 double residualOf(const ContactProblem&);
 

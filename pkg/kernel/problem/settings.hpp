@@ -11,8 +11,15 @@
 
 namespace rcr {
 
-/// Errors at which an island counts as solved.
-struct Tolerances {
+/// When sweeps give up: the residual has met its tolerance and other criteria have not, or its
+/// trend takes too long to it.
+struct Trend {
+	int from       = 0; // sweeps before the test; 0: no test
+	int mostSweeps = 0; // that the trend may take
+	int mostBeyond = 0; // sweeps for other criteria, once the residual has met its tolerance
+};
+
+struct Settings {
 	double tolerance = 1e-4; // residual at which to stop [-]; 0: never
 
 	/// Estimated error at which to stop, together with the residual (error_estimate.hpp) [-].
@@ -38,17 +45,7 @@ struct Tolerances {
 		return tolerance > 0 && residual <= tolerance && creep <= creepTolerance
 		        && errorEstimate <= accuracy;
 	}
-};
 
-/// When sweeps give up: the residual has met its tolerance and other criteria have not, or its
-/// trend takes too long to it.
-struct Trend {
-	int from       = 0; // sweeps before the test; 0: no test
-	int mostSweeps = 0; // that the trend may take
-	int mostBeyond = 0; // sweeps for other criteria, once the residual has met its tolerance
-};
-
-struct Settings : Tolerances {
 	int maxIterations = 1000; // sweeps over all points
 	int minIterations = 0;    // sweeps before any other criterion may stop the solver
 	int checkInterval = 10;   // sweeps between two evaluations of the stop criteria

@@ -55,12 +55,6 @@ inline PlanarVector startVelocity(PlanarVector v, const Inertia& inertia, const 
 	return v;
 }
 
-/// Rotation after the time dt at an angular velocity [rad/s].
-inline Turn turnAfter(const Turn& turn, double rotation, double dt)
-{
-	return normalized(rotation != 0 ? turned(turn, rotation * dt) : turn);
-}
-
 /// Displaces a body by a position correction; its velocity stays.
 inline void displace(StepBody& body, const PlanarVector& by)
 {
@@ -73,7 +67,7 @@ inline void move(StepBody& body, double dt)
 {
 	const PlanarVector& v = body.velocity;
 	body.center           = { body.center.x + v.x * dt, body.center.y + v.y * dt };
-	body.turn             = turnAfter(body.turn, v.rotation, dt);
+	body.turn = normalized(v.rotation != 0 ? turned(body.turn, v.rotation * dt) : body.turn);
 }
 
 /// Pose of a clump member in the frame of its clump.

@@ -50,8 +50,10 @@ ContactPoint Step::contactPoint(const StepContact& contact, const ManifoldPoint&
 	c.bias     = overdamped || at.gap > 0 ? at.gap / dt : 0;
 	if (at.gap <= std::max(contact.slop(), contact.law.adhesionRange))
 		c.pull = dt * contact.law.adhesion;
-	if (contact.count == 1 && contact.law.rollingFriction > 0)
-		c.rollingFriction = contact.law.rollingFriction, c.rollingLength = rollingLength(contact);
+	if (contact.count == 1 && contact.law.rollingFriction > 0) {
+		c.rollingFriction = contact.law.rollingFriction;
+		c.rollingLength   = rollingLength(bodies[contact.body1].shape, bodies[contact.body2].shape);
+	}
 	if (overdamped || !(contact.law.restitution > 0)) return c;
 	const double u = closingVelocity(*this, c);
 	if (u < 0 && at.gap + dt * u < 0) c.bias = contact.law.restitution * u;

@@ -161,11 +161,6 @@ struct PeriodicCell {
 		        || (gradient[1][1] != 0 && inverseMass.y == 0);
 	}
 
-	/// Shift of body 2 to its image nearest to body 1 [m].
-	Vec2 nearestShift(Vec2 from2To1) const
-	{
-		return periodic ? product(h, latticeVector(h, from2To1)) : Vec2 {};
-	}
 	double area() const { return std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]); }
 	/// Smaller height of the cell: lower bound of the distance of two images of a body [m].
 	double smallestHeight() const
@@ -224,7 +219,9 @@ struct Step {
 	/// Shift of a body to its image nearest to body 1 [m]. A segment may lie beside its centre.
 	Vec2 nearestShift(const StepBody& one, const StepBody& two) const
 	{
-		return cell.nearestShift(one.center - two.center + one.shape.offset - two.shape.offset);
+		if (!cell.periodic) return {};
+		const Vec2 from2To1 = one.center - two.center + one.shape.offset - two.shape.offset;
+		return product(cell.h, latticeVector(cell.h, from2To1));
 	}
 
 	/// Velocity of a body without loads and contacts in this step.
@@ -267,10 +264,6 @@ struct Step {
 	double rollingImpulse(const ContactPoint& c, double moment) const
 	{
 		return c.rolls() ? dt * (moment / c.rollingLength) : 0;
-	}
-	double rollingLength(const StepContact& c) const
-	{
-		return rcr::rollingLength(bodies[c.body1].shape, bodies[c.body2].shape);
 	}
 	const StepContact* find(int body1, int body2) const; // null: no contact
 	double roundingVelocity(ThreadTeam&) const; // rounding error of the velocities [m/s]

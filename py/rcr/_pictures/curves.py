@@ -48,8 +48,11 @@ def add_letters(axes):
         ax.set_title(f"({letter})", loc="left", fontsize=9)
 
 
-def plain(*plots, legend=True, projection=None):
-    """Return a function that makes a figure of one plot, or of two, the first in a projection."""
+def plain(*plots, legend=True, projection=None, columns=4):
+    """Return a function that makes a figure of one plot, or of two, the first in a projection.
+
+    The legend above them has this number of columns a plot.
+    """
 
     def figure(value, analysis, paper):
         size = (COLUMN, 0.95 * COLUMN) if len(plots) == 1 else (PAGE, 0.45 * PAGE)
@@ -59,7 +62,7 @@ def plain(*plots, legend=True, projection=None):
         if len(plots) > 1:
             add_letters(axes)
         if legend:
-            legend_outside(fig, axes[0], "upper center", 4 * len(plots))
+            legend_outside(fig, axes[0], "upper center", columns * len(plots))
         return fig
 
     return figure

@@ -10,8 +10,7 @@ from functools import partial
 
 import numpy as np
 
-import rcr.observables.forces  # noqa: F401: it registers O3
-from rcr._pictures.curves import MARKERS, column, error_of, legend_outside, plain
+from rcr._pictures.curves import MARKERS, column, error_of, plain
 from rcr.observables.packings import SEEDS, along_strain, strength
 from rcr.observables.registry import OBSERVABLES, register
 from rcr.statistics import standard_error
@@ -48,17 +47,6 @@ def draw_shapes(value, name, paper, ax, filled=True, legend=True):
     return ax
 
 
-def _below_legend(columns, *plots):
-    """Return a figure function of one or two plots below a legend of this many columns a plot."""
-
-    def figure(value, analysis, paper):
-        made = plain(*plots, legend=False)(value, analysis, paper)
-        legend_outside(made, made.axes[0], "upper center", columns * len(plots))
-        return made
-
-    return figure
-
-
 def _figure(*plots):
     """Return a function that makes a figure of one or two pairs of a name and its label."""
 
@@ -66,8 +54,8 @@ def _figure(*plots):
         draw_shapes(value, name, paper, ax).set_ylabel(symbol)
         return ax
 
-    return lambda value, analysis, paper: _below_legend(
-        2, *(partial(plot, *pair, paper) for pair in plots))(value, analysis, paper)
+    return lambda value, analysis, paper: plain(
+        *(partial(plot, *pair, paper) for pair in plots), columns=2)(value, analysis, paper)
 
 
 def _of_seeds(rows):
@@ -152,7 +140,7 @@ def _plot_anisotropies(value, analysis, paper):
         ax.set_ylabel(", ".join(f"${ANISOTROPIES[name]}$" for name in names))
         return ax
 
-    figure = _below_legend(2, *(partial(plot, names) for names in plots))
+    figure = plain(*(partial(plot, names) for names in plots), columns=2)
     return figure(value, analysis, paper)
 
 
@@ -174,7 +162,7 @@ def _plot_forces(value, analysis, paper):
         ax.set(xlabel=r"$f_n/\langle f_n\rangle$", ylabel="$P(f_n)$", xscale=scale, yscale="log")
         return ax
 
-    figure = _below_legend(4, partial(plot, "linear"), partial(plot, "log"))
+    figure = plain(partial(plot, "linear"), partial(plot, "log"))
     return figure(value, analysis, paper)
 
 
