@@ -100,14 +100,26 @@ def sloshing():
     return table(header, rows)
 
 
+PLACINGS = dict(layers="in layers", random="at random", sizes="in layers, R_max = 3 R_min")
+
+
 def fabric():
     """Fabric of packings of discs, from benchmarks/placing.py."""
     names = *(f"amplitude_{k}" for k in (2, 4, 6)), "a_c_min"
-    titles = dict(layers="in layers", random="at random", sizes="in layers, R_max = 3 R_min")
-    rows = [[titles[row["case"]], row["contacts"],
+    rows = [[PLACINGS[row["case"]], row["contacts"],
              *(f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}" for name in names),
              f"{row['xi_min']:.2g}"] for row in measured("fabric")]
     return table(["placing", "contacts", "2θ", "4θ", "6θ", "lowest a_c(ξ)", "at ξ"], rows)
+
+
+def long_grains():
+    """Observables of long grains that are placed differently, from benchmarks/placing.py --eta."""
+    titles = dict(beta_n="β_n", weak_fraction="share of weak contacts", a_c_weak="a_c(ξ = 1)",
+                  c_f_lr="C(f, ℓ_r)", c_f_l="C(f, ℓ)", half_sum="half-sum over q/p")
+    rows = [[PLACINGS[row["case"]],
+             *(f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}" for name in titles),
+             f"{row['xi_a_ln']:.1f}"] for row in measured("long-grains")]
+    return table(["placing", *titles.values(), "ξ of the minimum of a_ln"], rows)
 
 
 def sweeps_of_tests():
@@ -279,7 +291,7 @@ TABLES = {
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
     quasi_static, sloshing, step_threads, parallel, points_of_sides, driven_scenes, meetings,
-    spring_energy, fabric, sweeps_of_tests)}
+    spring_energy, fabric, long_grains, sweeps_of_tests)}
 
 
 def updated(page):
