@@ -25,12 +25,13 @@ import os
 
 import numpy as np
 
+from benchmarks import tables
 from benchmarks.charts.quasi_static import observed
+from benchmarks.points_of_sides import xi_of_lowest_a_ln
 from rcr import script
 from rcr._data import files
 from rcr.ensemble import Ensemble
 from rcr.network import Network
-from rcr.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
 from rcr.xi_networks import XiNetworks
@@ -39,7 +40,6 @@ LOOSE, FIRST, LAST, INTERVAL = 0.45, 0.15, 0.3, 0.01  # packing fraction; strain
 MARGIN = 5  # mean diameters
 HARMONICS = 2, 4, 6
 XI = np.arange(0.2, 1.5, 0.05)  # cutoffs f_n/⟨f_n⟩ [-]
-XI_LN = np.arange(0.05, 6.01, 0.05)  # the same of a_ln
 OF_DISCS = *(f"amplitude_{k}" for k in HARMONICS), "a_c_min", "a_c"
 OF_LONG_GRAINS = "beta_n", "weak_fraction", "a_c_weak", "c_f_lr", "c_f_l", "half_sum", "xi_a_ln"
 
@@ -131,28 +131,21 @@ def of_discs(tests, inner):
 def of_long_grains(networks):
     """Values of `OF_LONG_GRAINS` of a test."""
     ensemble = Ensemble(networks)
-    found = observed(networks) | ensemble.correlations()
-    a_ln = ensemble.xi_networks.anisotropies(XI_LN).a_ln
-    return [(found | dict(xi_a_ln=XI_LN[a_ln.argmin()]))[name] for name in OF_LONG_GRAINS]
-
-
-def row(about, names, columns):
-    """Row of a table: `about`, then mean and standard error of each column, values of the seeds."""
-    means = {name: float(np.mean(values)) for name, values in zip(names, columns)}
-    errors = {f"{name}_error": float(standard_error(v)) for name, v in zip(names, columns)}
-    return about | means | errors
+    found = observed(ensemble) | ensemble.correlations() | dict(
+        xi_a_ln=xi_of_lowest_a_ln(ensemble.xi_networks))
+    return [found[name] for name in OF_LONG_GRAINS]
 
 
 def rows(case, tests, about):
     about = dict(case=case, **about)
     if about["eta"] > 0:
         values = [of_long_grains(networks) for _, networks in tests]
-        return [row(about, OF_LONG_GRAINS, np.transpose(values))]
+        return [about | tables.means(dict(zip(OF_LONG_GRAINS, np.transpose(values))))]
     found = []
     for inner in False, True:
         columns, lowest = of_discs(tests, inner)
         contacts = dict(contacts="inner" if inner else "all", xi_min=lowest)
-        found.append(row(about | contacts, OF_DISCS, columns))
+        found.append(about | contacts | tables.means(dict(zip(OF_DISCS, columns))))
     return found
 
 

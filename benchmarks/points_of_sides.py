@@ -10,6 +10,7 @@ twice, with half of its force. Prints a table and writes it as CSV.
 
 import numpy as np
 
+from benchmarks import tables
 from rcr import script
 from rcr._data import files
 from rcr import statistics
@@ -21,14 +22,6 @@ from rcr.xi_networks import XiNetworks
 COLUMNS = "eta points weak_share beta_n c_f_lr c_f_l a_c_weak xi_a_ln".split()
 XI = np.arange(0.05, 6.01, 0.05)  # cutoffs of a_ln [-]
 NEGLIGIBLE = 1e-6  # of the force of its pair: an end that carries less is no point
-
-
-def arguments():
-    parser = script.Parser(prog="points_of_sides.py", description=__doc__.splitlines()[0])
-    parser.add_argument("folders", nargs="+", metavar="RUNS", help="folders of scripts/biaxial.py")
-    parser.add_argument("--out", type=script.new_file, default="points-of-sides.csv",
-                        metavar="FILE", help="CSV")
-    return parser.parse_args()
 
 
 def share_of_first_end(network):
@@ -76,7 +69,12 @@ def row(runs, points):
                 c_f_lr=np.nan if eta == 0 else statistics.pearson(force, reduced),
                 c_f_l=statistics.pearson(force, length),
                 a_c_weak=xi_networks.anisotropies(1)[0],
-                xi_a_ln=XI[np.argmin(xi_networks.anisotropies(XI)[1])])
+                xi_a_ln=xi_of_lowest_a_ln(xi_networks))
+
+
+def xi_of_lowest_a_ln(xi_networks):
+    """ξ at which a_ln(ξ) is lowest, up to 6 [-]."""
+    return XI[np.argmin(xi_networks.anisotropies(XI).a_ln)]
 
 
 def xi_networks_of(fn, normal_length, theta):
@@ -85,7 +83,7 @@ def xi_networks_of(fn, normal_length, theta):
 
 
 def main():
-    options = arguments()
+    options = tables.tests_and_csv("points_of_sides.py", __doc__, "points-of-sides.csv")
     groups = by_kind([Run.read(folder) for folder in options.folders])
     rows = [row(runs, points) for runs in groups.values() for points in (1, 2, 4)]
     rows = [{name: f"{value:.4g}" for name, value in r.items()} for r in rows]

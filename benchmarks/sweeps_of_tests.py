@@ -9,15 +9,14 @@ setting, of the second half of the strain, and their standard errors. Overlaps a
 record, in mean grain diameters. Prints a table and writes it as CSV.
 """
 
-import numpy as np
 import yade  # noqa: F401: rcr loads its plugin into it
 
+from benchmarks import tables
 from benchmarks.charts.quasi_static import observed
 from rcr import script
 from rcr._data import files
 from rcr.ensemble import Ensemble
 from rcr.observables.forces import mean_mobilization
-from rcr.statistics import standard_error
 from rcr.study.runs import Run
 
 SETTING = "particles", "eta", "iterations"
@@ -27,31 +26,23 @@ COST = "mean_overlap", "max_overlap", "missed_fraction", "wall_seconds"
 COLUMNS = [*SETTING, "seeds", *OBSERVABLES, *(f"{name}_error" for name in OBSERVABLES), *COST]
 
 
-def arguments():
-    parser = script.Parser(prog="sweeps_of_tests.py", description=__doc__.splitlines()[0])
-    parser.add_argument("folders", nargs="+", metavar="RUNS", help="folders of scripts/biaxial.py")
-    parser.add_argument("--out", type=script.new_file, default="sweeps-of-tests.csv",
-                        metavar="FILE", help="CSV")
-    return parser.parse_args()
-
-
 def values(run):
     """Observables and cost of one test."""
-    found = observed(run.networks)
-    found.update(mean_mobilization(Ensemble(run.networks), None))
+    ensemble = Ensemble(run.networks)
+    found = observed(ensemble) | mean_mobilization(ensemble, None)
     return found | {name: run.summary[name] for name in ("sin_phi", "coordination_number", *COST)}
 
 
 def row(setting, runs):
     tests = [values(run) for run in runs]
-    of = lambda name: [test[name] for test in tests]
-    return (dict(zip(SETTING, setting), seeds=len(runs))
-            | {name: np.mean(of(name)) for name in (*OBSERVABLES, *COST)}
-            | {f"{name}_error": standard_error(of(name)) for name in OBSERVABLES})
+    of = {name: [test[name] for test in tests] for name in (*OBSERVABLES, *COST)}
+    found = dict(zip(SETTING, setting), seeds=len(runs)) | tables.means(of)
+    return {name: found[name] for name in COLUMNS}
 
 
 def main():
-    options, groups = arguments(), {}
+    options = tables.tests_and_csv("sweeps_of_tests.py", __doc__, "sweeps-of-tests.csv")
+    groups = {}
     for folder in options.folders:
         run = Run.read(folder)
         if run.summary is None:

@@ -2,9 +2,12 @@
 
 import os
 
+import numpy as np
+
 from benchmarks import ROOT
 from rcr import script
 from rcr._data import files, run_folder
+from rcr.statistics import standard_error
 
 
 PEERS = os.path.join(ROOT, "build", "peers")  # default folder of the programs of other libraries
@@ -23,6 +26,20 @@ def add_repeats(parser, repeats, budget=None, runs="runs", run="a run"):
 def add_peers(parser, note=""):
     parser.add_argument("--peers", default=PEERS, metavar="DIR",
                         help="folder of the programs of benchmarks/peers (default: build/peers)" + note)
+
+
+def tests_and_csv(program, description, name):
+    """Return the options of a script that makes a CSV of folders of scripts/biaxial.py."""
+    parser = script.Parser(prog=program, description=description.splitlines()[0])
+    parser.add_argument("folders", nargs="+", metavar="RUNS", help="folders of scripts/biaxial.py")
+    parser.add_argument("--out", type=script.new_file, default=name, metavar="FILE", help="CSV")
+    return parser.parse_args()
+
+
+def means(values):
+    """Return {name: mean, name_error: standard error} of {name: values of the seeds}."""
+    return ({name: float(np.mean(found)) for name, found in values.items()}
+            | {f"{name}_error": float(standard_error(found)) for name, found in values.items()})
 
 
 def store(program, options, columns, measured):

@@ -22,10 +22,10 @@ from yade.wrapper import Omega
 from benchmarks import charts
 from benchmarks.charts import quasi_static
 from rcr import _kernel as kernel
+from rcr.ensemble import Ensemble
 from rcr.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
-from rcr.study.protocol import PROTOCOL
 
 O = Omega()
 NAMES = "beta_n", "weak_fraction", "a_c_half", "a_c_weak", "c_f_lr", "friction_mobilization"
@@ -99,7 +99,7 @@ def _steps(test, error):
 
 
 def _observables(network):
-    found = quasi_static.observed([network])
+    found = quasi_static.observed(Ensemble([network]))
     return {name: float(found[name]) for name in NAMES} | dict(
         sin_phi=network.sin_phi(), tiny_share=network.weak_share(0.1))
 

@@ -126,7 +126,7 @@ def _row(test, folder, first, last):
     total = lambda name: sum(row[name] for row in rows)
     row = {name: test.parameters[name] for name in ("eta", "particles", "inertial_number", "seed")}
     row |= dict(strain=last) | {name: test.progress[name] for name in ("steps", "seconds")}
-    found = observed([Network.load(path) for path in paths])
+    found = observed(Ensemble([Network.load(path) for path in paths]))
     found |= dict(sin_phi=sin_phi([total("stress_x"), total("stress_y")]),
                   packing_fraction=total("packing_fraction") / len(rows),
                   missed=(total("unconverged_steps") + total("yielded_steps"))
@@ -136,9 +136,8 @@ def _row(test, folder, first, last):
     return row | {name: float(value) for name, value in found.items()}
 
 
-def observed(networks):
-    """Observables of the cumulated contacts of networks."""
-    ensemble = Ensemble(networks)
+def observed(ensemble):
+    """Observables of the cumulated contacts of networks, an `Ensemble`."""
     parts = ensemble.xi_networks
     half, weak, whole = np.transpose(parts.anisotropies(np.array([0.5, 1, ensemble.fn.max()])))
     ratio = parts.shear_stress_ratio(np.array([1, ensemble.fn.max()]))

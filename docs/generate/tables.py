@@ -103,12 +103,15 @@ def sloshing():
 PLACINGS = dict(layers="in layers", random="at random", sizes="in layers, R_max = 3 R_min")
 
 
+def with_error(row, name):
+    return f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}"
+
+
 def fabric():
     """Fabric of packings of discs, from benchmarks/placing.py."""
     names = *(f"amplitude_{k}" for k in (2, 4, 6)), "a_c_min"
     rows = [[PLACINGS[row["case"]], row["contacts"],
-             *(f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}" for name in names),
-             f"{row['xi_min']:.2g}"] for row in measured("fabric")]
+             *(with_error(row, name) for name in names), f"{row['xi_min']:.2g}"] for row in measured("fabric")]
     return table(["placing", "contacts", "2θ", "4θ", "6θ", "lowest a_c(ξ)", "at ξ"], rows)
 
 
@@ -116,20 +119,19 @@ def long_grains():
     """Observables of long grains that are placed differently, from benchmarks/placing.py --eta."""
     titles = dict(beta_n="β_n", weak_fraction="share of weak contacts", a_c_weak="a_c(ξ = 1)",
                   c_f_lr="C(f, ℓ_r)", c_f_l="C(f, ℓ)", half_sum="half-sum over q/p")
-    rows = [[PLACINGS[row["case"]],
-             *(f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}" for name in titles),
+    rows = [[PLACINGS[row["case"]], *(with_error(row, name) for name in titles),
              f"{row['xi_a_ln']:.1f}"] for row in measured("long-grains")]
     return table(["placing", *titles.values(), "ξ of the minimum of a_ln"], rows)
 
 
 def sweeps_of_tests():
     """Observables of whole tests over the sweeps a step, from benchmarks/sweeps_of_tests.py."""
-    titles = dict(sin_phi="sin φ", friction_mobilization="I_M", mobilized_fraction="share of I_m > 0.99",
-                  beta_n="β_n", a_c_half="a_c(ξ = 0.5)", a_c_weak="a_c(ξ = 1)", a_c="a_c",
+    titles = dict(sin_phi="sin φ", friction_mobilization="I_M",
+                  mobilized_fraction="share of I_m > 0.99", beta_n="β_n",
+                  a_c_half="a_c(ξ = 0.5)", a_c_weak="a_c(ξ = 1)", a_c="a_c",
                   coordination_number="Z")
-    of = lambda row, name: f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}"
     rows = [[f"{row['particles']:.0f}", f"{row['eta']:g}", f"{row['iterations']:.0f}",
-             *(of(row, name) for name in titles),
+             *(with_error(row, name) for name in titles),
              f"{row['mean_overlap']:.1g}", f"{row['max_overlap']:.2g}",
              f"{100 * row['missed_fraction']:.0f} %"] for row in measured("sweeps-of-tests")]
     return table(["grains", "η", "sweeps", *titles.values(), "mean overlap [d]",

@@ -112,6 +112,7 @@ Report sweepForExactSteps(ContactProblem& problem, const Settings& settings, Wor
 Report solveExact(ContactProblem& problem, const Settings& settings, const Report& swept,
         Workspace& workspace, int cost)
 {
+	if (settings.maxIterations <= 0) return swept; // factorisations cost more than many sweeps
 	// impulses before the last sweeps or step, to detect divergence
 	std::vector<LocalVector> before;
 	const auto               remember = [&] {

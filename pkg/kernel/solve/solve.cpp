@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "problem/infeasibility.hpp"
 #include "problem/island_problem.hpp"
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
@@ -14,10 +13,12 @@
 
 namespace rcr {
 
-/// Returns true if impulses grew so much that a test of divergence needs those before.
-static bool grewMuch(const Report& swept)
+/// Returns true if a test of divergence needs the impulses before the last sweeps, and they are
+/// known.
+static bool needsEarlierImpulses(const Report& swept, const Settings& settings)
 {
-	return std::isfinite(swept.impulseGrowth) && swept.impulseGrowth > divergentGrowth;
+	return settings.mayYield() && std::isfinite(swept.impulseGrowth)
+	        && mayDiverge(swept, settings);
 }
 
 /// Completes the islands that have not converged, or that may have no solution.
@@ -56,7 +57,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 		IslandProblem part(problem, { first, last }, numbers);
 		Workspace     own;
 		std::vector<LocalVector> before;
-		if (grewMuch(island)) {
+		if (needsEarlierImpulses(island, settings)) {
 			if (earlier.empty()) earlier = impulsesBeforeProbe(workspace);
 			for (PointIterator k = first; k != last; ++k)
 				before.push_back(earlier[*k]);
@@ -87,7 +88,8 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 	Report swept = sweepTogether(problem, solver, settings, workspace);
 	if (swept.islands.size() <= 1)
 		return complete(problem, solver, settings, swept, workspace,
-		        grewMuch(swept) ? impulsesBeforeProbe(workspace) : std::vector<LocalVector> {});
+		        needsEarlierImpulses(swept, settings) ? impulsesBeforeProbe(workspace)
+		                                              : std::vector<LocalVector> {});
 	return completeIslands(problem, solver, settings, std::move(swept), workspace);
 }
 

@@ -49,7 +49,6 @@ Report continueAuto(ContactProblem& problem, const Settings& settings, const Rep
 	Report         report   = swept;
 	const auto     left     = [&] { return settings.maxIterations - report.iterations; };
 	const auto     runExact = [&](const Settings& limits, int iterations, int cost) {
-        if (iterations <= 0) return;
         Settings steps      = limits;
         steps.maxIterations = iterations;
         report              = solveExact(problem, steps, report, workspace, cost);
@@ -75,8 +74,8 @@ Report continueAuto(ContactProblem& problem, const Settings& settings, const Rep
 			}
 		}
 		const Settings& fine = points <= fineProblem ? settings : goal;
-		if (fineIterations > 0) runExact(fine, fineIterations, residualMet ? 1 : sweepsPerExact);
-		if (!report.yielded && left() > 0 && !report.meets(goal))
+		runExact(fine, fineIterations, residualMet ? 1 : sweepsPerExact);
+		if (!report.yielded && !report.meets(goal))
 			runExact(goal, left(), sweepsPerExact);
 	}
 	Settings verdict = goal;

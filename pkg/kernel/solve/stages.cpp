@@ -128,7 +128,7 @@ namespace {
 		const int      done = report.iterations;
 		if (solver == "auto" && !isTight(problem, settings))
 			report = continueAuto(problem, settings, report, workspace);
-		else if (left.maxIterations > 0)
+		else
 			report = solveExact(problem, left, report, workspace);
 		if (report.iterations > done) before.clear();
 		island.setSolved();

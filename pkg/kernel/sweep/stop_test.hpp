@@ -54,7 +54,7 @@ private:
 			lowest_   = criteria_.residual;
 			lowestAt_ = sweeps_;
 		}
-		if (lowest_ > settings_.tolerance) beyond_ = sweeps_;
+		if (lowest_ > settings_.tolerance) missedAt_ = sweeps_;
 		if (settings_.trend.from > 0) lowestBy_.push_back(lowest_);
 	}
 
@@ -68,7 +68,7 @@ private:
 	{
 		const Trend& trend = settings_.trend;
 		if (trend.from == 0 || sweeps_ < trend.from) return false;
-		if (lowest_ <= settings_.tolerance) return sweeps_ - beyond_ >= trend.mostBeyond;
+		if (lowest_ <= settings_.tolerance) return sweeps_ - missedAt_ >= trend.mostBeyond;
 		const double before = lowestBy_[lowestBy_.size() / 2], fall = std::log(before / lowest_);
 		const double ahead  = std::log(lowest_ / settings_.tolerance) * 0.5 * sweeps_;
 		return !(ahead <= trend.mostSweeps * fall);
@@ -78,7 +78,7 @@ private:
 	Criteria criteria_;
 	std::vector<double> lowestBy_; // lowest residual up to each evaluation
 	double   lowest_ = std::numeric_limits<double>::infinity(); // residual
-	int      sweeps_ = 0, lowestAt_ = 0, beyond_ = 0; // the last: sweeps that missed the tolerance
+	int      sweeps_ = 0, lowestAt_ = 0, missedAt_ = 0; // the last: residual above its tolerance
 };
 
 } // namespace rcr

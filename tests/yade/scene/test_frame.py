@@ -328,7 +328,8 @@ def test_a_network_has_the_stresses_and_forces_of_its_scene(resting, tmp_path):
         return frame.mobilization()[chosen][np.lexsort(pairs)]
 
     bearing = scene.free_ends().all(axis=0) & (scene.normal_force() > 0)
-    assert mobilization(saved, saved.between_particles) == pytest.approx(mobilization(scene, bearing))
+    of_network = mobilization(saved, saved.between_particles)
+    assert of_network == pytest.approx(mobilization(scene, bearing))
     kinds = lambda frame: np.bincount(frame.contacts["type"][frame.normal_force() > 0])
     assert np.array_equal(kinds(scene)[:3], kinds(saved)[:3])  # of contacts between free grains
     assert scene.mobilization().max() <= 1 + 1e-6  # the law's limit, to the tolerance of the solver
