@@ -13,7 +13,7 @@ namespace rcr {
 
 constexpr int    mostPasses       = 10;   // most steps need one to three
 constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further pass
-constexpr int    sweepsAllowed    = 100;  // those that a further pass may take in any case
+constexpr int    shareAllowed     = 10;   // a further pass may take maxIterations over this in any case
 constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
 constexpr int    squeezedEffort   = 10;   // factor of maxIterations while grains are squeezed
 
@@ -74,7 +74,8 @@ static Settings firstPass(const Call& call, const YieldBounds& bounds)
 static Settings nextPass(const Call& call, Settings s)
 {
 	if (s.tolerance >= fineTolerance)
-		s.maxIterations = std::max(s.maxIterations - call.result.iterations, sweepsAllowed);
+		s.maxIterations = std::max({ s.maxIterations - call.result.iterations,
+			s.maxIterations / shareAllowed, sweepsOfNextPass });
 	s.minIterations = std::min(sweepsOfNextPass, s.maxIterations);
 	return s;
 }

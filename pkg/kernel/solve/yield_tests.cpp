@@ -7,8 +7,8 @@
 
 namespace rcr {
 
-// a test of divergence needs 20 iterations; later passes may be limited to ten
-constexpr int    minIterationsToProbe = 20;
+// a pass with fewer iterations is too short for a hint of divergence
+constexpr int    minIterationsToProbe = 100;
 // bound for growing impulses over V_s from which they are probed; 0.04 in sheared packings
 constexpr double suspiciousBound = 0.1;
 // a rigid contact may exceed yieldImpulse by this many impulses |b_n|/w_nn of its rebound

@@ -62,7 +62,7 @@ def fast_box(seed):
 def test_a_step_that_would_double_the_energy_is_refused():
     """Steps with few iterations; others do not double it."""
     refused_scenes = 0
-    for seed, iterations in (31, 3), (21, 10), (44, 100):
+    for seed, iterations in (6, 3), (21, 10), (44, 100):
         fast_box(seed)
         solver().maxIterations = iterations
         before = kinetic()
