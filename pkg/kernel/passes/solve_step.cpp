@@ -13,7 +13,9 @@ namespace rcr {
 
 constexpr int    mostPasses       = 10;   // most steps need one to three
 constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further pass
-constexpr int    shareAllowed     = 10;   // a further pass may take maxIterations over this in any case
+// maxIterations over this, from 10 to 100, are those that a further pass may take in any case
+constexpr int    shareAllowed     = 10;
+constexpr int    mostAllowed      = 100;
 constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
 constexpr int    squeezedEffort   = 10;   // factor of maxIterations while grains are squeezed
 
@@ -74,8 +76,8 @@ static Settings firstPass(const Call& call, const YieldBounds& bounds)
 static Settings nextPass(const Call& call, Settings s)
 {
 	if (s.tolerance >= fineTolerance)
-		s.maxIterations = std::max({ s.maxIterations - call.result.iterations,
-			s.maxIterations / shareAllowed, sweepsOfNextPass });
+		s.maxIterations = std::max(s.maxIterations - call.result.iterations,
+		        std::clamp(s.maxIterations / shareAllowed, sweepsOfNextPass, mostAllowed));
 	s.minIterations = std::min(sweepsOfNextPass, s.maxIterations);
 	return s;
 }

@@ -145,6 +145,20 @@ def test_all_passes_of_a_squeeze_have_ten_times_the_sweeps():
     assert taken[1.9] == 10 * taken[2.1]
 
 
+@pytest.mark.parametrize("most, further", [(20, 10), (300, 30), (2000, 100)])
+def test_a_further_pass_has_a_share_of_the_sweeps(most, further):
+    """A disc hits another one, which then meets a row of 300 discs that close up."""
+    R, smooth = 0.01, material(0)
+    weightless(*(rcr.disc((x * R, 0), R, material=smooth) for x in (-4.7, -2.2)),
+               *(rcr.disc((2 * R * k, 0), R, material=smooth, velocity=(-1e-3 * R * k, 0))
+                 for k in range(300)),
+               tolerance=1e-6, accuracy=1e-9, maxIterations=most, solver="nlgs")
+    O.step()
+    set_state(0, vel=(1000 * R, 0, 0))
+    taken, = iterations(1)
+    assert taken > most and (taken - most) % further == 0
+
+
 def test_a_squeeze_takes_the_largest_number_of_sweeps():
     smooth = material(0)
     weightless(*(rcr.disc((x, 0), 0.01, material=smooth) for x in (0, 0.019)),
