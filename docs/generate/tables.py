@@ -224,13 +224,13 @@ def driven_scenes():
                   "slowest step over the median", "ended by a jam", "conditions violated"], lines)
 
 
-def study():
-    """Paper against measured, from the analysis of the published tests."""
-    analysis = json.loads((DOCS / "results" / "study" / "analysis.json").read_text())
+def statements(folder, paper=papers.DEFAULT):
+    """Statements of a paper against the published tests of a folder of docs/results."""
+    analysis = json.loads((DOCS / "results" / folder / "analysis.json").read_text())
     for entry in analysis.values():
         entry["value"] = {name: np.array(values, float) for name, values in entry["value"].items()
                           if name != "files"}
-    return table(HEADER, papers.load().findings(analysis))
+    return table(HEADER, papers.load(paper).findings(analysis))
 
 
 def examples():
@@ -287,11 +287,14 @@ TABLES = {
     "estimate": lambda: ratios("g", "g-estimate"),
     "known-forces": lambda: ratios("h", "h-known-forces", lambda row: row[1] in ("nlgs", "auto")),
     "size": lambda: ratios("f", "f-size"),
+    "study": lambda: statements("study"),
+    "cegeo": lambda: statements("cegeo-2012", "cegeo_2012"),
+    "estrada": lambda: statements("estrada-2011", "estrada_2011"),
     "accuracy": lambda: ratios("i", "i-accuracy", columns=[
         "η", "error of a step", "estimate", "sweeps a step", "missed steps", "change of forces",
         "β_n", "a_c(ξ = 0.5)", "a_c(ξ = 1)", "I_M", "sin φ"]),
 } | {function.__name__.replace("_", "-"): function for function in (
-    colors, contact_colors, quantities, counterparts, hard_scenes, stability, study, examples,
+    colors, contact_colors, quantities, counterparts, hard_scenes, stability, examples,
     quasi_static, sloshing, step_threads, parallel, points_of_sides, driven_scenes, meetings,
     spring_energy, fabric, long_grains, sweeps_of_tests)}
 

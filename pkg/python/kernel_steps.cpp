@@ -35,10 +35,14 @@ namespace {
 				if (!(cap[k] > 0 && half[k] >= 0 && finite(cap[k], half[k])))
 					refuse("grain ", k, ": radius ", cap[k], " and half_length ", half[k],
 					        "; expected radius > 0 and half_length ≥ 0 [m]");
+				if (!finite(at[k].x, at[k].y, turn[k], motion[k].x, motion[k].y, motion[k].rotation))
+					refuse("grain ", k, ": position (", at[k].x, ", ", at[k].y, "), angle ", turn[k],
+					        " and velocity (", motion[k].x, ", ", motion[k].y, ", ",
+					        motion[k].rotation, "); expected finite numbers");
 				add(stadiumShape(half[k], cap[k]), at[k], turned({}, turn[k]), motion[k], mass[k]);
 			}
 			for (const auto& [axis, place, sense] : walls) {
-				if ((axis != "x" && axis != "y") || std::abs(sense) > 1)
+				if ((axis != "x" && axis != "y") || std::abs(sense) > 1 || !finite(place))
 					refuse("a wall (", axis, ", ", place, ", ", sense,
 					        "); expected ('x' or 'y', position [m], sense −1, 0 or 1)");
 				PlanarShape shape;
@@ -142,6 +146,10 @@ namespace {
 			for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
 				StepBody& b = step_.bodies[id];
 				b.velocity  = step_.problem.velocity[id];
+				if (!finite(b.velocity.x, b.velocity.y, b.velocity.rotation))
+					refuse("the step gives body ", id, " the velocity (", b.velocity.x, ", ",
+					        b.velocity.y, ", ", b.velocity.rotation,
+					        "); find the extreme mass, velocity or load among the arguments");
 				if (!step_.displacement.empty() && b.free) displace(b, step_.displacement[id]);
 				rcr::move(b, step_.dt);
 			}

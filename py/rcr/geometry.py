@@ -127,7 +127,10 @@ def samples(grains, count, shapes=()):
         (left, right), (low, high) = ((part.min(), part.max()) + reach
                                       for part in (core.real, core.imag))
         unit = (left + right + (right - left) * u + 1j * (low + high + (high - low) * v)) / 2
-        inside[rows] = distances(unit, core) <= outline.radius
+        within = distances(unit, core) <= outline.radius
+        if not within.any():  # a thin, oblique shape between the points: its centre
+            unit, within = 0 * unit, np.ones(len(unit), bool)
+        inside[rows] = within
         local[rows] = (a + r)[rows] * unit
     turned = local * _axes(grains)[:, None]
     points = np.stack([turned.real, turned.imag], axis=-1)

@@ -10,6 +10,7 @@ from yade.wrapper import RoundedPolygon
 
 from rcr import _kernel
 from rcr._data import checks
+from rcr.outlines import distances
 from rcr.scene import grain_body
 
 _HEXAGON = 1 - np.sqrt(0.75)  # η of the regular hexagon
@@ -36,6 +37,7 @@ def polygon(center, vertices, radius=0, angle=0, **options):
         material, fixed, color, mask, velocity and angular_velocity, as for `rcr.particle`.
     """
     corners = checks.array("vertices", vertices, (None, 2))
+    corners = corners - corners.mean(axis=0)  # digits of large coordinates would cancel
     radius = checks.number("radius", radius, "a finite rounding radius ≥ 0 [m]", lambda v: v >= 0)
     if len(corners) > 2 and _twice_area(corners) < 0:
         corners = corners[::-1]
@@ -62,9 +64,9 @@ def truncated_triangle(center, R, eta, angle=0, **options):
     """Return an equilateral triangle with cut corners, all at the circumscribed radius R [m].
 
     `eta` is 0.5 for the triangle and 1 − √3/2 for the regular hexagon. A long side has its normal
-    at `angle`. Parameters and errors are those of `polygon`.
+    at `angle`. The corners are sharp. Options and errors are those of `polygon`.
     """
-    R, _ = _radii(R, 0)
+    R = _sharp(R, options)
     eta = checks.number("eta", eta, "an elongation from 1 − √3/2 (hexagon) to 0.5 (triangle)",
                         lambda v: _HEXAGON - 1e-9 <= v <= 0.5)
     normals = 2 * np.pi / 3 * np.arange(3)
@@ -79,9 +81,9 @@ def elongated_hexagon(center, R, eta, angle=0, **options):
     """Return a hexagon with two long parallel sides and the circumscribed radius R [m].
 
     `eta` ≥ 1 − √3/2, the regular hexagon. The corners at both ends have 120°. The long axis lies at
-    `angle`. Parameters and errors are those of `polygon`.
+    `angle`. The corners are sharp. Options and errors are those of `polygon`.
     """
-    R, _ = _radii(R, 0)
+    R = _sharp(R, options)
     eta = checks.number("eta", eta, "an elongation 1 − √3/2 ≤ eta < 1",
                         lambda v: _HEXAGON - 1e-9 <= v < 1)
     height = (1 - eta) * R
@@ -127,6 +129,8 @@ def from_outline(points, vertices=8):
         lost = _cross(corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners)
         if len(kept) <= vertices and lost.min() > 1e-9 * size**2:
             break
+        if len(kept) == 3:
+            raise checks.error("points", points, "three points or more that are not on one line")
         kept = np.delete(kept, np.argmin(lost))
     for _ in hull:
         before = kept.copy()
@@ -138,10 +142,8 @@ def from_outline(points, vertices=8):
         if np.array_equal(kept, before):
             break
     corners = hull[kept]
-    side = np.roll(corners, -1, axis=0) - corners
-    normal = np.column_stack([side[:, 1], -side[:, 0]]) / np.linalg.norm(side, axis=1)[:, None]
-    beyond = np.einsum("pki,ki->pk", hull[:, None] - corners, normal).max(axis=1)
-    return corners, float(max(0, beyond.max()))
+    away = distances(hull @ [1, 1j], corners @ [1, 1j])
+    return corners, float(max(0, away.max()))
 
 
 def _corners(R, turn):
@@ -152,6 +154,13 @@ def _radii(R, radius):
     R = checks.number("R", R, "a finite radius of the circumscribed circle > 0 [m]", lambda v: v > 0)
     expected = f"a rounding radius from 0 to below R = {R} [m]"
     return R, checks.number("radius", radius, expected, lambda v: 0 <= v < R)
+
+
+def _sharp(R, options):
+    """Return R, checked; the options may have a rounding radius of 0."""
+    checks.number("radius", options.pop("radius", 0),
+                  "0: this shape has sharp corners; rcr.polygon makes rounded ones", lambda v: v == 0)
+    return _radii(R, 0)[0]
 
 
 def _cross(a, b):

@@ -38,6 +38,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 		energy = {};
 		set<&ContactDynamics::monitor>(StepMonitor {});
 		meanStretchRate = stretchChange = Vector2r::Zero();
+		drivenBodies.clear(), drivenVelocities.clear();
 		observer_.restart();
 	}
 	rcr::ThreadTeam& team  = workspace_.team();
@@ -45,7 +46,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();
 	setStartFlow(); // gather replaces it in a periodic cell
 	timed("gather", [&] {
-		gather(*scene, engines, team, handles_, step_);
+		gather(*scene, engines, team, { drivenBodies, drivenVelocities }, handles_, step_);
 		neighbors_.expire();
 		addUnlistedContacts(*scene, engines, *this, team, handles_, neighbors_, step_);
 	});
@@ -71,6 +72,7 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 			        arraySteps_->count(),
 			        arrays ? arraySteps_->enginesReason() : "ContactDynamics.arrays = False" });
 		} while (advanced);
+		storeDrives();
 		// YADE's objects get the state at the beginning of the last step; scatter adds the contact
 		// forces of that step
 		timed("writeBack", [&] { arraySteps_->writeBack(*scene, team, handles_, step_); });
@@ -82,6 +84,20 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 	} catch (...) {
 		arraySteps_->writeBack(*scene, team, handles_, step_);
 		throw;
+	}
+}
+
+void ContactDynamics::storeDrives()
+{
+	drivenBodies.clear(), drivenVelocities.clear();
+	for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
+		const rcr::PlanarVector& v    = step_.bodies[id].velocity;
+		const rcr::InverseMass&  mass = step_.problem.inverseMass[id];
+		if ((mass.x == 0 && v.x != 0) || (mass.y == 0 && v.y != 0)
+		        || (mass.rotation == 0 && v.rotation != 0)) {
+			drivenBodies.push_back(int(id));
+			drivenVelocities.push_back({ v.x, v.y, v.rotation });
+		}
 	}
 }
 

@@ -87,6 +87,8 @@ public:
 		((Real,meanForceChange,0,,"Also ends the solver, as converged, once the mean normal force changes relatively less than this in 10 sweeps [-]; 0: not used."))
 		((Vector2r,meanStretchRate,Vector2r::Zero(),Attr::hidden,"Stretch rates along x and y that trackMeanStretch adds to the flow [1/s]."))
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"Change of meanStretchRate in the last step [1/s]."))
+		((std::vector<int>,drivenBodies,,Attr::hidden,"Prescribed bodies that moved in the last step."))
+		((std::vector<Vector3r>,drivenVelocities,,Attr::hidden,"Their velocities along x and y [m/s], and their angular velocities [rad/s]."))
 		((StepMonitor,monitor,,Attr::hidden,"Counts of steps and overlaps."))
 		((EnergyAccount,energy,,Attr::hidden,"Energy of the last step that O.energy does not hold yet.")),
 		/* ctor */,
@@ -120,6 +122,7 @@ private:
 	void          monitorStep();
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setStartFlow();
+	void          storeDrives();
 	void          updateMeanStretch();
 
 	validation::Validator         validator_;

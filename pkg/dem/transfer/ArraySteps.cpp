@@ -122,8 +122,16 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	pairs_.store(step, team, scene.iter);
 	++count_;
 	move(scene, engines, team, handles, impulses, step);
+	std::vector<rcr::PlanarVector> before;
+	for (Body::id_t id : synced_)
+		before.push_back(step.bodies[id].velocity);
+	const auto regather = [&] {
+		regatherBodies(scene, engines, team, synced_, handles, step);
+		for (std::size_t k = 0; k < synced_.size(); ++k)
+			rcr::setDriveBefore(step, synced_[k], before[k]);
+	};
 	scheduler::run(scene, schedule_.before);
-	regatherBodies(scene, engines, team, synced_, handles, step);
+	regather();
 	rcr::NewContacts host = newContacts(scene, engines);
 	host.allows = [&, allows = host.allows](int id1, int id2) {
 		const std::string error = validation::materialError(scene, id1, id2);
@@ -134,7 +142,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	pairs_.detect(search, step, host, scene.iter);
 	if (!schedule_.after.empty()) {
 		scheduler::run(scene, schedule_.after);
-		regatherBodies(scene, engines, team, synced_, handles, step);
+		regather();
 		if (schedule_.movesAfter) pairs_.detect(search, step, host, scene.iter, true);
 	}
 	gatherCellStress(engines, step);

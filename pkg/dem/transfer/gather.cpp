@@ -291,12 +291,24 @@ void gatherCellStress(const validation::Engines& engines, rcr::Step& step)
 	if (engines.cellStress) engines.cellStress->gatherCell(*engines.integrator, step);
 }
 
+/// A drive that accelerates in contact hits nothing: impacts have its velocity of the last step.
+static void setDrivesBefore(const Drives& before, const SceneHandles& handles, rcr::Step& step)
+{
+	for (std::size_t k = 0; k < before.bodies.size(); ++k) {
+		const std::size_t id = before.bodies[k];
+		const Vector3r&   v  = before.velocities[k];
+		if (id < step.bodies.size() && handles.state[id])
+			rcr::setDriveBefore(step, id, { double(v[0]), double(v[1]), double(v[2]) });
+	}
+}
+
 void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
-        SceneHandles& handles, rcr::Step& step)
+        const Drives& before, SceneHandles& handles, rcr::Step& step)
 {
 	Gatherer gatherer { scene, engines, team, handles, step };
 	gatherCell(scene, engines, step);
 	gatherer.bodies();
+	setDrivesBefore(before, handles, step);
 	gatherCellStress(engines, step);
 	gatherer.contacts();
 }

@@ -30,9 +30,16 @@ struct SceneHandles {
 	Real                      z = 0; // height of the plane
 };
 
+/// Prescribed bodies that moved in the last step, and their velocities (v_x, v_y, ω).
+struct Drives {
+	const std::vector<int>&      bodies;
+	const std::vector<Vector3r>& velocities;
+};
+
 /// Sets bodies, contacts, loads and start forces. Throws std::invalid_argument for unsupported
 /// scenes. Erases contacts within clumps; else does not change the scene.
-void gather(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&, rcr::Step&);
+void gather(Scene&, const validation::Engines&, rcr::ThreadTeam&, const Drives& before,
+        SceneHandles&, rcr::Step&);
 
 /// Sets the periodic cell of a step and the flow from which overdamped bodies start; before bodies.
 void gatherCell(const Scene&, const validation::Engines&, rcr::Step&);

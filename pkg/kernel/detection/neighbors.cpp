@@ -218,7 +218,10 @@ Vec2 Neighbors::place(Vec2 x0) const
 Neighbors::Range Neighbors::range(double low, double high, int count) const
 {
 	if (!cell_.periodic) {
-		const auto clipped = [&](double at) { return int(std::clamp(at, 0.0, count - 1.0)); };
+		// 0 for NaN: places that overflow end in an error of the solved velocities
+		const auto clipped = [&](double at) {
+			return at > 0 ? int(std::min(at, count - 1.0)) : 0;
+		};
 		return { clipped(low), clipped(high) - clipped(low) + 1 };
 	}
 	const double first = std::floor(low), number = std::floor(high) - first + 1;

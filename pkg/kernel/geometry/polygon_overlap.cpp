@@ -63,10 +63,11 @@ namespace {
 		const Core &c = face.ofOne ? one : two, &other = face.ofOne ? two : one;
 		if (onSide(c, face.side, other.vertex(face.vertex))) return true;
 		const Vec2   normal = outward(c.along(face.side));
-		const double level  = dot(c.vertex(face.side), normal), reach = rounding * c.length[face.side];
+		const double level  = dot(c.vertex(face.side), normal);
 		for (int side : { face.vertex, previous(other, face.vertex) }) {
 			if (other.count < 2 || dot(other.along(side), c.along(face.side)) > 0) continue;
-			const int k = side == face.vertex ? next(other, side) : side; // its other end
+			const int    k     = side == face.vertex ? next(other, side) : side; // its other end
+			const double reach = rounding * std::max(c.length[face.side], other.length[side]);
 			if (dot(other.vertex(k), normal) - level > face.distance + reach) continue;
 			if (onSide(c, face.side, other.vertex(k))) {
 				face.vertex = k;

@@ -97,11 +97,24 @@ inline void beginStep(Step& step, std::size_t id, const PlanarVector& end, const
 	PlanarVector& v    = body.velocity;
 	v = step.overdamped ? startVelocity(end, inertia, step.startFlow.at(body.center)) : end;
 	if (step.cell.periodic) v = v + step.cell.change.at(body.center);
+	body.velocityBefore = v;
 	PlanarVector& free = step.problem.freeVelocity[id];
 	free               = accelerated(v, inertia, force, gravity, step.dt);
 	if (!step.cell.periodic) return;
 	body.convection = step.dt * product(step.cell.convection.gradient, { end.x, end.y });
 	free            = free + PlanarVector { body.convection.x, body.convection.y, 0 };
+}
+
+/// After beginStep: sets the velocity of the step before along prescribed axes of a driven body. In a
+/// periodic cell, such bodies keep their present one.
+inline void setDriveBefore(Step& step, std::size_t id, const PlanarVector& before)
+{
+	if (step.cell.periodic) return;
+	const InverseMass& mass = step.problem.inverseMass[id];
+	PlanarVector&      v    = step.bodies[id].velocityBefore;
+	if (mass.x == 0) v.x = before.x;
+	if (mass.y == 0) v.y = before.y;
+	if (mass.rotation == 0) v.rotation = before.rotation;
 }
 
 } // namespace rcr

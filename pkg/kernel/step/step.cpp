@@ -17,13 +17,13 @@ Pose poseAfter(const StepBody& body, const StepBody& owner, const PlanarVector& 
 	return { center, turn.axis() };
 }
 
-/// u_n at the beginning of the step if the point closes faster than rounding errors, else 0 [m/s].
+/// u_n of an impact if the point closes faster than rounding errors, else 0 [m/s].
 static double closingVelocity(const Step& step, const ContactPoint& c)
 {
 	constexpr double rounding = 1e-9; // of velocities, relative
 	const StepBody & one = step.bodies[c.body1], &two = step.bodies[c.body2];
 	const double fastest = maxSpeed(one.velocity, one.radius) + maxSpeed(two.velocity, two.radius);
-	const double u       = step.initialVelocity(c).n;
+	const double u       = step.impactVelocity(c).n;
 	return u < -rounding * fastest ? u : 0;
 }
 

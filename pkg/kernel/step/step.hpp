@@ -60,6 +60,7 @@ struct StepBody {
 	Vec2          center;
 	Turn          turn;
 	PlanarVector  velocity;          // at the beginning of the step
+	PlanarVector  velocityBefore;    // that of an impact: along driven axes, of the step before
 	Vec2          convection;        // change of the velocity by the flow of a cell [m/s]
 	double        radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
 	double        alertDistance = 0; // distance within which its contacts were detected [m]
@@ -235,6 +236,16 @@ struct Step {
 	{
 		return relativeVelocityWithoutStretch(c, problem.stretchRate + cell.loadRate,
 		        initialVelocity(c.body1), initialVelocity(c.body2));
+	}
+	/// u of a point for impacts: initialVelocity, but of driven bodies that of the step before. The
+	/// acceleration of a drive is no impact [m/s].
+	LocalVector impactVelocity(const ContactPoint& c) const
+	{
+		const auto of = [&](int id) {
+			return initialVelocity(id) + (bodies[id].velocityBefore - bodies[id].velocity);
+		};
+		return relativeVelocityWithoutStretch(
+		        c, problem.stretchRate + cell.loadRate, of(c.body1), of(c.body2));
 	}
 	/// A velocity of a body plus its change by the stretch of the cell in this step.
 	PlanarVector stretched(int id, const PlanarVector& v) const

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import rcr
 from rcr import _kernel
-from scenes import (EXACT, G, box, build, grain_on_floor, inertia, material, open_box, pile,
+from scenes import (EXACT, G, assert_reload_changes_nothing, box, build, grain_on_floor, inertia, material, open_box, pile,
                     point_forces, solver, stadium, steps, tilted, velocity)
 from yade import O
 from yade import wrapper as w
@@ -290,6 +290,39 @@ def test_half_step_start_leaves_a_pile_at_rest():
     O.run(100, True)
     assert max(O.bodies[i].state.vel.norm() for i in ids) < 1e-6
     assert max(O.bodies[i].state.displ().norm() for i in ids) < 1e-6
+
+
+@pytest.mark.parametrize("together", [1, 50], ids=["single steps", "runs"])
+@pytest.mark.parametrize("restitution", [0, 0.5, 0.9])
+def test_a_shaken_wall_bears_what_rests_on_it(restitution, together):
+    """F = M (g + a), a = g/2 cos ωt: no impact, whatever the restitution. Two discs and a rod."""
+    omega, grain = 2 * math.pi * 5, material()
+    shaken = w.HarmonicMotionEngine(ids=[0], A=(0, 0.5 * G / omega**2, 0), f=(0, 5, 0),
+                                    fi=(0, math.pi, 0))
+    grains = [rcr.disc((0, 0.1), 0.1, grain), rcr.disc((0, 0.3), 0.1, grain),
+              stadium(0.1, 0.1, (1, 0.1), material=grain)]
+    floor, *_ = build(rcr.wall("y", 0, +1), *grains, before=[shaken], restitution=restitution,
+                      **EXACT | dict(observe=[0]))
+    mass = sum(body.state.mass for body in grains)
+    for k in range(0, 200, together):
+        times = O.dt * np.arange(k, k + together)
+        O.run(together, True)
+        force = -solver().observed()["forces"][floor][1]
+        if k:
+            assert force == pytest.approx(
+                mass * G * (1 + 0.5 * np.cos(omega * times).mean()), rel=0.03)
+
+
+def test_the_velocity_of_a_drive_survives_a_reload(tmp_path):
+    shaken = w.HarmonicMotionEngine(ids=[0], A=(0, 0.001, 0), f=(0, 10, 0), fi=(0, math.pi, 0))
+    grain = material()
+    build(rcr.wall("y", 0, +1, material=grain), rcr.disc((0, 0.1), 0.1, grain), before=[shaken],
+          restitution=0.8, observe=[0])
+    steps(20)
+    solver().observed()
+    assert_reload_changes_nothing(
+        tmp_path / "scene.xml.gz", lambda: [(O.step(), solver().observed()["forces"][0][1])[1]
+                                             for _ in range(5)])
 
 
 @pytest.mark.parametrize("ratio", [0.5, 2])

@@ -88,3 +88,26 @@ def test_rolling_and_adhesion():
 def test_wrong_input_is_refused(changes, match):
     with pytest.raises(ValueError, match=match):
         discs([(0, R)], **changes)
+
+
+@pytest.mark.parametrize("arguments, message", [
+    (dict(position=[(0, math.nan)]), r"grain 0: position \(0, nan\)"),
+    (dict(position=[(0, 0), (math.inf, 0)]), r"grain 1: position \(inf, 0\)"),
+    (dict(position=[(0, 0)], angle=[math.nan]), "angle nan"),
+    (dict(position=[(0, 0)], velocity=[(0, 0, math.nan)]), r"velocity \(0, 0, nan\)"),
+    (dict(position=[(0, 0)], walls=[("y", math.nan, 1)]), r"a wall \(y, nan, 1\)"),
+])  # fmt: skip
+def test_numbers_that_are_not_finite_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        discs(**arguments)
+
+
+def test_extreme_numbers_do_not_crash():
+    """Paths of 1e197 m have no place in the grid of the neighbour search."""
+    grains = discs([(0, R), (1, R)], velocity=[(1e200, 0, 0), (0, 0, 0)], walls=[("y", 0, 1)])
+    for _ in range(3):
+        try:
+            grains.step(1e-3)
+        except ValueError as error:
+            assert "velocity" in str(error)
+            break

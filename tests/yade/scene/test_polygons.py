@@ -74,6 +74,24 @@ def test_from_outline_tells_its_error():
     corners, error = rcr.from_outline([*SQUARE, (0, 0), (0.5, 1)], vertices=8)
     assert len(corners) == 4 and error == 0
     rcr.polygon((0, 0), corners)
+    _, error = rcr.from_outline([(0, 0), (2, 0), (5, 1), (3, 1)], vertices=3)
+    assert error == 2  # of (0, 0), beyond the end of a side
+
+
+@pytest.mark.parametrize("offset", [1, 30, 1e4])
+def test_corners_have_any_origin(offset):
+    """The digits of the offset cancel, those of the shape remain."""
+    near, far = (rcr.polygon((0, 0), 0.01 * (np.array(SQUARE) + shift))
+                 for shift in (0, (100 * offset, 70 * offset)))
+    assert far.state.inertia[2] == pytest.approx(near.state.inertia[2], rel=1e-12 * max(1, offset))
+
+
+def test_a_thin_oblique_polygon_has_a_velocity_in_a_profile():
+    O.reset()
+    O.bodies.append(rcr.polygon((0, 0), [(0, 0), (5, 4), (6, 5)], material=material()))
+    O.bodies.append(rcr.disc((0, 20), 1, material=material()))
+    profile = rcr.Profile(cells=(1, 1)).compute()
+    assert np.isfinite(profile.solid_fraction).all() and (profile.velocity == 0).all()
 
 
 @pytest.mark.parametrize("call, message", [
@@ -84,8 +102,11 @@ def test_from_outline_tells_its_error():
     (lambda: rcr.regular_polygon((0, 0), 1, 2), "sides = 2; expected a number of sides from 3"),
     (lambda: rcr.regular_polygon((0, 0), 1, 5, radius=1), "radius = 1; expected a rounding"),
     (lambda: rcr.truncated_triangle((0, 0), 1, 0.1), "eta = 0.1"),
+    (lambda: rcr.truncated_triangle((0, 0), 1, 0.3, radius=0.1), "radius = 0.1; expected 0: this"),
+    (lambda: rcr.elongated_hexagon((0, 0), 1, 0.3, radius=0.1), "radius = 0.1; expected 0: this"),
     (lambda: rcr.elongated_hexagon((0, 0), 1, 1), "eta = 1"),
     (lambda: rcr.from_outline([(0, 0), (1, 1), (2, 2)]), "not on one line"),
+    (lambda: rcr.from_outline([(0, 0), (1, 0), (0.5, 1e-10)]), "not on one line"),
     (lambda: rcr.RoundedPolygon(vertices=[(0, 0), (1, 0), (0, 1)]), "centroid at"),
 ])  # fmt: skip
 def test_refused(call, message):
