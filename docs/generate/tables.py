@@ -27,6 +27,7 @@ from rcr._yade.counterparts import COUNTERPARTS
 from rcr import papers
 from rcr.plot import CATEGORIES, CONTACTS, SCALES
 from rcr.profile import QUANTITIES
+from rcr.study.protocol import SHAPE_NAMES
 from rcr.study.report import HEADER, markdown as table
 
 DOCS = pathlib.Path(__file__).resolve().parents[1]
@@ -122,6 +123,13 @@ def long_grains():
     rows = [[PLACINGS[row["case"]], *(with_error(row, name) for name in titles),
              f"{row['xi_a_ln']:.1f}"] for row in measured("long-grains")]
     return table(["placing", *titles.values(), "ξ of the minimum of a_ln"], rows)
+
+
+def compactions():
+    """Packing fractions after compactions, from benchmarks/compactions.py."""
+    rows = [[SHAPE_NAMES[row["shape"]], f"{row['eta']:g}", with_error(row, "without"),
+             with_error(row, "with")] for row in measured("compactions")]
+    return table(["shape", "η", "without inertia", "with inertia"], rows)
 
 
 def sweeps_of_tests():
@@ -228,8 +236,8 @@ def statements(folder, paper=papers.DEFAULT):
     """Statements of a paper against the published tests of a folder of docs/results."""
     analysis = json.loads((DOCS / "results" / folder / "analysis.json").read_text())
     for entry in analysis.values():
-        entry["value"] = {name: np.array(values, float) for name, values in entry["value"].items()
-                          if name != "files"}
+        entry["value"] = {name: np.array(values, None if name == "shape" else float)
+                          for name, values in entry["value"].items() if name != "files"}
     return table(HEADER, papers.load(paper).findings(analysis))
 
 
@@ -289,14 +297,13 @@ TABLES = {
     "size": lambda: ratios("f", "f-size"),
     "study": lambda: statements("study"),
     "cegeo": lambda: statements("cegeo-2012", "cegeo_2012"),
-    "estrada": lambda: statements("estrada-2011", "estrada_2011"),
     "accuracy": lambda: ratios("i", "i-accuracy", columns=[
         "η", "error of a step", "estimate", "sweeps a step", "missed steps", "change of forces",
         "β_n", "a_c(ξ = 0.5)", "a_c(ξ = 1)", "I_M", "sin φ"]),
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, examples,
     quasi_static, sloshing, step_threads, parallel, points_of_sides, driven_scenes, meetings,
-    spring_energy, fabric, long_grains, sweeps_of_tests)}
+    spring_energy, fabric, long_grains, sweeps_of_tests, compactions)}
 
 
 def updated(page):
