@@ -127,7 +127,7 @@ def _(v):
                  for s, k in tops.items())
     value = ", ".join(f"{found[s][1][k]:.3f} at η = {found[s][0][k]:.2g} ({SHAPE_NAMES[s]})"
                       for s, k in tops.items())
-    return agrees, value, format_largest(np.concatenate([e for _, _, e in found.values()]))
+    return agrees, value, format_largest(v["packing_fraction_error"])
 
 
 @claim("S2", "the peaks rise in the order " + ", ".join(SHAPE_NAMES[s] for s in PEAKS),
