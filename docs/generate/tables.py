@@ -297,6 +297,7 @@ TABLES = {
     "size": lambda: ratios("f", "f-size"),
     "study": lambda: statements("study"),
     "cegeo": lambda: statements("cegeo-2012", "cegeo_2012"),
+    "estrada": lambda: statements("estrada-2011", "estrada_2011"),
     "accuracy": lambda: ratios("i", "i-accuracy", columns=[
         "η", "error of a step", "estimate", "sweeps a step", "missed steps", "change of forces",
         "β_n", "a_c(ξ = 0.5)", "a_c(ξ = 1)", "I_M", "sin φ"]),
