@@ -118,10 +118,11 @@ def from_outline(points, vertices=8):
     points = checks.array("points", points, (None, 2))
     vertices = checks.integer("vertices", vertices, "a number of corners from 3 to 64",
                               lambda v: 3 <= v <= 64)
+    flat = checks.error("points", points, "three points or more that are not on one line")
     try:
         hull = points[ConvexHull(points).vertices]
     except (QhullError, ValueError):
-        raise checks.error("points", points, "three points or more that are not on one line")
+        raise flat
     size = np.ptp(hull, axis=0).max()
     kept = np.arange(len(hull))
     while True:
@@ -130,7 +131,7 @@ def from_outline(points, vertices=8):
         if len(kept) <= vertices and lost.min() > 1e-9 * size**2:
             break
         if len(kept) == 3:
-            raise checks.error("points", points, "three points or more that are not on one line")
+            raise flat
         kept = np.delete(kept, np.argmin(lost))
     for _ in hull:
         before = kept.copy()

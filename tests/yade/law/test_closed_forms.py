@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import rcr
 from rcr import _kernel
-from scenes import (EXACT, G, assert_reload_changes_nothing, box, build, grain_on_floor, inertia, material, open_box, pile,
-                    point_forces, solver, stadium, steps, tilted, velocity)
+from scenes import (EXACT, G, assert_reload_changes_nothing, box, build, grain_on_floor, inertia,
+                    material, open_box, pile, point_forces, solver, stadium, steps, tilted,
+                    velocity)
 from yade import O
 from yade import wrapper as w
 
