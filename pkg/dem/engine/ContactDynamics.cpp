@@ -91,10 +91,8 @@ void ContactDynamics::storeDrives()
 {
 	drivenBodies.clear(), drivenVelocities.clear();
 	for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
-		const rcr::PlanarVector& v    = step_.bodies[id].velocity;
-		const rcr::InverseMass&  mass = step_.problem.inverseMass[id];
-		if ((mass.x == 0 && v.x != 0) || (mass.y == 0 && v.y != 0)
-		        || (mass.rotation == 0 && v.rotation != 0)) {
+		const rcr::PlanarVector& v = step_.bodies[id].velocity;
+		if (rcr::isDriven(step_.problem.inverseMass[id], v)) {
 			drivenBodies.push_back(int(id));
 			drivenVelocities.push_back({ v.x, v.y, v.rotation });
 		}

@@ -105,12 +105,19 @@ inline void beginStep(Step& step, std::size_t id, const PlanarVector& end, const
 	free            = free + PlanarVector { body.convection.x, body.convection.y, 0 };
 }
 
-/// After beginStep: sets the velocity of the step before along prescribed axes of a driven body. In a
-/// periodic cell, such bodies keep their present one.
+/// Returns true if a body of this velocity moves along a prescribed axis.
+inline bool isDriven(const InverseMass& mass, const PlanarVector& v)
+{
+	return (mass.x == 0 && v.x != 0) || (mass.y == 0 && v.y != 0)
+	        || (mass.rotation == 0 && v.rotation != 0);
+}
+
+/// After beginStep: sets the velocity of the step before along prescribed axes of a body that was
+/// driven then. In a periodic cell, such bodies keep their present one.
 inline void setDriveBefore(Step& step, std::size_t id, const PlanarVector& before)
 {
-	if (step.cell.periodic) return;
 	const InverseMass& mass = step.problem.inverseMass[id];
+	if (step.cell.periodic || !isDriven(mass, before)) return;
 	PlanarVector&      v    = step.bodies[id].velocityBefore;
 	if (mass.x == 0) v.x = before.x;
 	if (mass.y == 0) v.y = before.y;

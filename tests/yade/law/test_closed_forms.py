@@ -314,6 +314,18 @@ def test_a_shaken_wall_bears_what_rests_on_it(restitution, together):
                 mass * G * (1 + 0.5 * np.cos(omega * times).mean()), rel=0.03)
 
 
+def test_a_drive_that_starts_hits_what_it_touches_in_arrays_too():
+    """Its velocity is 0 in the first step."""
+    ends = []
+    for arrays in False, True:
+        shaken = w.HarmonicMotionEngine(ids=[0], A=(0, 0.001, 0), f=(0, 10, 0), fi=(0, math.pi, 0))
+        _, disc = build(rcr.wall("y", 0, +1), rcr.disc((0, 0.1), 0.1, material()), before=[shaken],
+                        restitution=0.8, **EXACT | dict(arrays=arrays))
+        O.run(20, True)
+        ends.append((*O.bodies[disc].state.pos, *O.bodies[disc].state.vel))
+    assert ends[0] == ends[1]
+
+
 def test_the_velocity_of_a_drive_survives_a_reload(tmp_path):
     shaken = w.HarmonicMotionEngine(ids=[0], A=(0, 0.001, 0), f=(0, 10, 0), fi=(0, math.pi, 0))
     grain = material()
