@@ -295,6 +295,7 @@ TABLES = {
     "estimate": lambda: ratios("g", "g-estimate"),
     "known-forces": lambda: ratios("h", "h-known-forces", lambda row: row[1] in ("nlgs", "auto")),
     "size": lambda: ratios("f", "f-size"),
+    "size-true-error": lambda: ratios("f", "f-size", printed="true_errors"),
     "study": lambda: statements("study"),
     "cegeo": lambda: statements("cegeo-2012", "cegeo_2012"),
     "estrada": lambda: statements("estrada-2011", "estrada_2011"),

@@ -96,7 +96,28 @@ def test_cost_over_the_number_of_grains():
     assert [line[:2] for line in lines] == [["auto", "100"], ["auto", "1000"], ["nlgs", "100"],
                                             ["nlgs", "1000"]]
     assert all(len(line) == len(header) for line in lines)
-    assert len(size.plot(rows, OPTIONS).axes) == 3
+    assert len(size.plot(rows, OPTIONS).axes) == 4
+
+
+def test_sweeps_to_a_true_error(monkeypatch):
+    """`nlgs` needs more sweeps the more grains there are; a bound of sweeps leaves no result."""
+    rows = [dict(row, status="ok") for count in (100, 1000)
+            for row in size.run(f"{count}/true-error", OPTIONS)]
+    of = {(row["friction"] > 0, row["method"], row["particles"]): row for row in rows}
+    assert all(row["reference"] < 1e-8 and row["spread"] < 1e-6 for row in rows)
+    for rough in (True, False):
+        assert of[rough, "nlgs", 1000]["sweeps"] > 2 * of[rough, "nlgs", 100]["sweeps"]
+    assert of[True, "nesterov", 1000]["sweeps"] < of[True, "nlgs", 1000]["sweeps"] / 2
+    header, *lines = size.true_errors(rows)
+    assert [line[:2] for line in lines] == [["0.5", "100"], ["0.5", "1000"], ["0", "100"],
+                                            ["0", "1000"]]
+    assert all(len(line) == len(header) for line in lines)
+    monkeypatch.setattr(size, "SEARCHED", 20)
+    unreached = size.run("1000/true-error", OPTIONS)
+    assert "sweeps" not in unreached[0] and "sweeps" in unreached[4], "nlgs with friction, without"
+    filled = [dict(sweeps="", seconds="", status="ok") | row for row in unreached]  # as from a file
+    assert list(size.true_errors(filled))[1][4] == ""
+    assert size.plot(filled, OPTIONS).axes
 
 
 def one_step_row(library, seconds, error, start="cold"):
