@@ -75,7 +75,11 @@ def load(path):
         with gzip.open(path) as file:
             shutil.copyfileobj(file, handle)  # the check sum detects every flipped bit
             handle.flush()
-        O.load(name, quiet=True)
+        try:
+            O.load(name, quiet=True)
+        except (MemoryError, RuntimeError) as error:  # its attributes are not those of this version
+            raise ValueError("not a scene of this version of yade-rcr and YADE; resume it with the "
+                             "one in run.json, or start again with --overwrite") from error
         state = json.loads(O.tags["biaxial"])
         parameters = check_parameters(**state["parameters"])
     if state.get("protocol") != PROTOCOL.identity:

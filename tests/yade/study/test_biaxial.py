@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import rcr
 from rcr.network import Network
-from rcr.study import compaction
+from rcr.study import checkpoint, compaction
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, HISTORY_COLUMNS
 from rcr.study.protocol import ONE_RATE, PROTOCOL, quick_averages
@@ -279,6 +279,17 @@ def test_damaged_checkpoints_are_refused(packing, tmp_path):
     O.reset()
     O.save(str(path), quiet=True)
     refused("not a checkpoint of a biaxial test", Biaxial.load, tmp_path)
+
+
+@pytest.mark.parametrize("error", [MemoryError(), RuntimeError("input stream error")])
+def test_checkpoints_of_other_versions_are_refused(packing, monkeypatch, error):
+    """YADE reads the attributes of a class without their names: others make it ask for memory."""
+    def load(*arguments, **options):
+        raise error
+
+    monkeypatch.setattr(checkpoint, "O", types.SimpleNamespace(load=load))
+    refused("not a scene of this version of yade-rcr and YADE; resume it with the one in run.json",
+            Biaxial.load, packing.folder)
 
 
 @of_the_control
