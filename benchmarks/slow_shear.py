@@ -22,15 +22,16 @@ from rcr.study.biaxial import Biaxial
 
 O = Omega()
 STRAIN, SETTLING, NETWORK = 0.08, 0.02, 0.005  # strains: of a setting, before means, of a network
-SETTINGS = [  # ρ (ε̇ W/2)²/σ₀ at most, dt/t₀, most sweeps
-    (2e-5, 0.4, 300), (2e-5, 0.4, 1000), (2e-5, 0.8, 300), (2e-5, 0.8, 600), (2e-5, 1.2, 300),
-    (5e-5, 0.4, 300), (5e-5, 0.8, 300), (1e-4, 0.8, 300),
+SETTINGS = [  # ρ (ε̇ W/2)²/σ₀, dt/t₀, most sweeps
+    (2e-5, 0.4, 300), (5e-5, 0.4, 300), (1e-4, 0.4, 300), (2e-4, 0.4, 300), (5e-5, 0.4, 1000),
+    (5e-5, 0.8, 300), (5e-5, 0.8, 600), (5e-5, 1.2, 300),
 ]  # fmt: skip
+NO_BOUND = 1e-3  # --inertial-number: sample_inertia alone decides
 OBSERVABLES = ("friction_mobilization", "mobilized_fraction", "beta_n", "weak_fraction", "a_c",
                "a_c_weak", "c_f_lr")
-COLUMNS = ("shape eta grains strain sample_inertia time_step iterations inertial_number steps "
-           "seconds sin_phi scatter coordination_number").split() + [
-    *OBSERVABLES, "mean_overlap", "max_overlap", "missed"]
+COLUMNS = ("shape eta grains strain sample_inertia time_step iterations inertial_number "
+           "steps seconds sin_phi scatter coordination_number").split() + [
+    *OBSERVABLES, "mean_overlap", "max_overlap", "missed", "failed"]
 
 
 def arguments():
@@ -44,8 +45,19 @@ def arguments():
 def measure(folder, inertia, time_step, iterations):
     """Row of a setting."""
     test = Biaxial.load(folder)
-    test.parameters.update(sample_inertia=inertia, time_step=time_step)
+    test.parameters.update(sample_inertia=inertia, time_step=time_step, inertial_number=NO_BOUND)
     test.solver.maxIterations = iterations
+    about = dict(shape=test.parameters["shape"], eta=test.parameters["eta"],
+                 grains=len(test.grains), sample_inertia=inertia, time_step=time_step,
+                 iterations=iterations)
+    try:
+        return about | _continue(test)
+    except RuntimeError as error:
+        return about | dict(failed=str(error).splitlines()[0])
+
+
+def _continue(test):
+    """Continue a test by `STRAIN`; return the results of the row."""
     start, first = test.strain, len(test.rows)
     networks, overlaps, began, steps = [], [], time.process_time(), O.iter
     while not test.has_reached(start + STRAIN):
@@ -60,10 +72,8 @@ def measure(folder, inertia, time_step, iterations):
     missed = sum(row["unconverged_steps"] + row["yielded_steps"] for row in rows[1:])
     ensemble = Ensemble(networks)
     found = observed(ensemble) | mean_mobilization(ensemble, None)
-    return dict(shape=test.parameters["shape"], eta=test.parameters["eta"], grains=len(test.grains),
-                strain=round(test.strain, 3), sample_inertia=inertia, time_step=time_step,
-                iterations=iterations, inertial_number=test.progress["rate"], steps=O.iter - steps,
-                seconds=seconds, sin_phi=sin_phi.mean(), scatter=sin_phi.std(),
+    return dict(strain=round(test.strain, 3), inertial_number=test.progress["rate"],
+                steps=O.iter - steps, seconds=seconds, sin_phi=sin_phi.mean(), scatter=sin_phi.std(),
                 coordination_number=np.mean([n.coordination() for n in networks]),
                 **{name: float(found[name]) for name in OBSERVABLES},
                 mean_overlap=np.mean([values.mean() for values in overlaps]),

@@ -65,7 +65,6 @@ public:
 		((Real,accuracy,0.01,,"Relative error of velocities and forces at which the solver stops [-], by :yref:`errorEstimate<ContactDynamics.errorEstimate>`. 30 times as much in dense packings with friction, whose solutions differ by 10 to 30 %. inf switches it off."))
 		((Real,tolerance,1e-4,,"Residual that a solution must also meet [-]; 0 runs all iterations."))
 		((int,maxIterations,1000,,"Sweeps that a step may take. Further passes, yielding contacts and squeezed grains may take more."))
-		((int,maxPasses,10,,"Solves that a step may take: a step is solved again with late contacts, large displacements and restitution. A step that needs more leaves small overlaps."))
 		((std::string,solver,"auto",,""))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)."))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that a step removes, by shifts of at most 1e-4 R [-]. At 0, overlaps of curved paths remain too."))

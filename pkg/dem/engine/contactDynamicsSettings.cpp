@@ -32,9 +32,6 @@ std::string ContactDynamics::attributeError() const
 	if (!(yieldCompliance >= 0 && math::isfinite(yieldCompliance)))
 		return message("yieldCompliance", text(yieldCompliance),
 		        "a finite factor ≥ 0, 1 by default; with 0 contacts never yield.");
-	if (maxPasses < 1)
-		return message("maxPasses", std::to_string(maxPasses),
-		        "a number of solves of a step, at least 1, 10 by default.");
 	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
 		return "ContactDynamics.flow is not zero; expected finite entries, and overdamped = True: "
 		       "other bodies keep their velocities.";
@@ -64,7 +61,6 @@ rcr::StepSettings ContactDynamics::stepSettings() const
 	s.pass.lanes           = lanes;
 	s.correction           = double(correction);
 	s.yieldCompliance      = double(yieldCompliance);
-	s.maxPasses            = maxPasses;
 	return s;
 }
 

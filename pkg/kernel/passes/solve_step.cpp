@@ -11,6 +11,7 @@
 
 namespace rcr {
 
+constexpr int    mostPasses       = 10;   // most steps need one to three
 constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further pass
 // maxIterations over this, from 10 to 100, are those that a further pass may take in any case
 constexpr int    shareAllowed     = 10;
@@ -112,7 +113,7 @@ static void solvePass(Call& call, const Settings& settings)
 static Outcome review(Call& call, int pass)
 {
 	auto& [step, settings, host, search, workspace, result] = call;
-	const bool nextIsLast                                   = pass == settings.maxPasses - 1;
+	const bool nextIsLast                                   = pass == mostPasses - 1;
 	const bool late                                         = call.timed("lateContacts", [&] {
                 if (!findLateContacts(step, search)) return false;
                 addFoundContacts(step, host);
@@ -127,7 +128,7 @@ static Outcome review(Call& call, int pass)
 	if (step.overdamped) return Outcome::consistent;
 	return call.timed("biasUpdate", [&] {
 		// else passes could release and load a contact in turn
-		const bool mayRelease = pass <= settings.maxPasses / 2;
+		const bool mayRelease = pass <= mostPasses / 2;
 		bool       changed    = adaptBiases(
 		                 step, mayRelease, nextIsLast, settings.pass.tolerance,
 		                 result.largeDisplacements, workspace.team());
@@ -155,7 +156,7 @@ StepResult solveStep(Step& step, const StepSettings& settings, const StepHost& h
 	for (int pass = 1;; ++pass) {
 		now.solutionExists = restIsAdmissible(step, bounds.driveSpeed);
 		solvePass(call, now);
-		if (pass == settings.maxPasses) {
+		if (pass == mostPasses) {
 			if (call.timed("lateContacts", [&] {
 				    return findLateContacts(step, call.search);
 			    }))

@@ -29,7 +29,6 @@ struct StepSettings {
 	Settings    pass; // of a solve; yielding bounds, rounding and creep follow from the step
 	double      correction      = 0.1; // share of an overlap that a step removes [-]
 	double      yieldCompliance = 1;   // over the default [-]; 0: contacts never yield
-	int         maxPasses       = 10;  // at least 1; most steps need one to three
 	/// Grains are squeezed: ten times as many iterations, since a lack of them must not look like a
 	/// jam.
 	bool squeezed = false;

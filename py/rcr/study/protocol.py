@@ -57,7 +57,7 @@ class Protocol:
     # Shear
     time_step: float = 0.4  # dt [t₀]; at 1.2 contacts of long grains sink in
     inertial_number: float = 1e-4  # I [-]; averages are near their limit I → 0
-    sample_inertia: float = 2e-5  # ρ (v W/2h)²/σ₀ at most [-]; at 2e-4 the sample sloshes
+    sample_inertia: float = 5e-5  # ρ (v W/2h)²/σ₀ at most [-]; I_M and β_n change with the rate
     approach: float = 0.1  # strain up to which the shear is quick [-]
     quick_time_step: float = 0.1  # dt of quick shear, at most [t₀]
     quick_inertial_number: float = 1e-3  # I of quick shear, at least [-]

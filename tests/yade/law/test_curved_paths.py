@@ -76,25 +76,6 @@ def test_a_step_that_would_double_the_energy_is_refused():
     assert refused_scenes > 0
 
 
-def test_passes_of_a_step_can_be_limited():
-    """A disc of 20 R a step meets a second one after R, and this one meets a third one after 5 R.
-
-    Discs at rest have no range of detection, so that the second contact is found after a pass.
-    """
-    for passes in 1, 2, 10:
-        bodies = [particle((x * R, 0), R, 0, velocity=(v * R / 1e-3, 0))
-                  for x, v in ((0, 20), (3, 0), (10, 0))]
-        weightless(*bodies, maxPasses=passes)
-        O.step()
-        speeds = np.array([b.state.vel[0] for b in O.bodies]) * 1e-3 / R
-        if passes == 1:
-            assert speeds == pytest.approx([29 / 3, 26 / 3, 5 / 3], rel=1e-4)
-            assert not solver().converged
-        else:
-            assert speeds == pytest.approx([9, 8, 3], rel=1e-4)
-            assert solver().converged
-
-
 def collision(rng):
     """Two to four grains on their way to a common point, up to 1 rad and 1 R a step."""
     grain = material(rng.uniform(0, 1))

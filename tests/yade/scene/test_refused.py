@@ -153,7 +153,6 @@ SETTINGS = [
     ("meanForceChange", INF, "meanForceChange = inf: give a finite change"),
     ("maxIterations", 0, "maxIterations = 0"),
     ("maxIterations", -5, "maxIterations = -5"),
-    ("maxPasses", 0, "ContactDynamics.maxPasses = 0; expected a number of solves of a step, at least"),
     ("correction", -0.1, "correction = -0.1.*; expected a fraction of the overlap, 0 to 1"),
     ("correction", 1.1, "correction = 1.1.*; expected a fraction of the overlap, 0 to 1"),
     ("correction", NAN, "correction = nan"),
