@@ -92,13 +92,18 @@ def stability():
     return table(["hold / drift / blow up at dt =", *(f"{1e3 * dt:g} ms" for dt in steps)], lines)
 
 
-def sloshing():
-    """Scatter of the stress on the left wall from step to step, with this wall fixed."""
+def slow_shear():
+    """Observables and cost over rate, time step and sweeps, from benchmarks/slow_shear.py."""
+    titles = dict(sin_phi="sin φ", scatter="scatter of sin φ", friction_mobilization="I_M",
+                  mobilized_fraction="share of I_m > 0.99", beta_n="β_n", a_c="a_c",
+                  mean_overlap="mean overlap [d]", max_overlap="largest overlap [d]")
+    shown = lambda value: f"{value:.3f}" if abs(value) >= 0.0095 else f"{value:.1g}"
     rows = [[f"{row['eta']:g}", f"{row['sample_inertia']:.0e}", f"{row['time_step']:g}",
-             f"{row['iterations']:.0f}", f"{row['scatter']:.2g}", f"{row['missed']:.2f}"]
-            for row in measured("sloshing")]
-    header = ["η", "ρ (v W/h)²/σ₀", "dt/t₀", "sweeps", "scatter of σ_x/σ₀", "missed steps"]
-    return table(header, rows)
+             f"{row['iterations']:.0f}", *(("ended by an error",) + ("",) * (len(titles) + 1)
+             if row["failed"] else (f"{row['inertial_number']:.1e}", f"{row['steps']:.0f}",
+                                    *(shown(row[name]) for name in titles)))]
+            for row in measured("slow-shear")]
+    return table(["η", "ρ (v W/2h)²/σ₀", "dt/t₀", "sweeps", "I", "steps", *titles.values()], rows)
 
 
 PLACINGS = dict(layers="in layers", random="at random", sizes="in layers, R_max = 3 R_min")
@@ -304,7 +309,7 @@ TABLES = {
         "β_n", "a_c(ξ = 0.5)", "a_c(ξ = 1)", "I_M", "sin φ"]),
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, examples,
-    quasi_static, sloshing, step_threads, parallel, points_of_sides, driven_scenes, meetings,
+    quasi_static, slow_shear, step_threads, parallel, points_of_sides, driven_scenes, meetings,
     spring_energy, fabric, long_grains, sweeps_of_tests, compactions)}
 
 
