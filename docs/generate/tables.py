@@ -27,6 +27,7 @@ from rcr._yade.counterparts import COUNTERPARTS
 from rcr import papers
 from rcr.plot import CATEGORIES, CONTACTS, SCALES
 from rcr.profile import QUANTITIES
+from rcr.study.criteria import SIGMAS
 from rcr.study.protocol import SHAPE_NAMES
 from rcr.study.report import HEADER, markdown as table
 
@@ -246,6 +247,17 @@ def statements(folder, paper=papers.DEFAULT):
     return table(HEADER, papers.load(paper).findings(analysis))
 
 
+def stationarity():
+    """Change of a_c over the averaged strains of the study."""
+    text = (DOCS / "results" / "study" / "analysis.json").read_text()
+    value = json.loads(text)["O15"]["value"]
+    columns = (value[name] for name in ("eta", "a_c", "a_c_drift", "a_c_drift_error"))
+    rows = [[f"{eta:g}", f"{curve[-1]:.3f}", f"{change:+.3f} ± {error:.3f}",
+             "yes" if abs(change) <= SIGMAS * error else "no"]
+            for eta, curve, change, error in zip(*columns)]
+    return table(["η", "a_c", "change of a_c", "stationary within two errors"], rows)
+
+
 def examples():
     """Scripts in examples/ with their first lines and pictures."""
     lines = []
@@ -310,7 +322,7 @@ TABLES = {
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, examples,
     quasi_static, slow_shear, step_threads, parallel, points_of_sides, driven_scenes, meetings,
-    spring_energy, fabric, long_grains, sweeps_of_tests, compactions)}
+    spring_energy, fabric, long_grains, sweeps_of_tests, compactions, stationarity)}
 
 
 def updated(page):
