@@ -48,16 +48,14 @@ def packing_fraction(shape, eta, particles, seed, inertia):
 
 def main():
     parser = script.Parser(prog="compactions.py", description=__doc__.splitlines()[0])
-    parser.add_argument("--particles", type=script.at_least(100), default=1000, metavar="N")
-    parser.add_argument("--seeds", default="1,2", help="separated by commas")
+    tables.add_packings(parser, 1000, 100)
     parser.add_argument("--out", type=script.new_file, default="compactions.csv", metavar="FILE")
     options = parser.parse_args()
-    seeds = [int(seed) for seed in options.seeds.split(",")]
     rows = []
     for shape, eta in GRAINS:
         found = {name: [packing_fraction(shape, eta, options.particles, seed, name == "with")
-                        for seed in seeds] for name in ("without", "with")}
-        about = dict(shape=shape, eta=eta, grains=options.particles, seeds=len(seeds))
+                        for seed in options.seeds] for name in ("without", "with")}
+        about = dict(shape=shape, eta=eta, grains=options.particles, seeds=len(options.seeds))
         rows.append(about | {name: f"{value:.4f}" for name, value in tables.means(found).items()})
         print("  ".join(f"{name} {value}" for name, value in rows[-1].items()), flush=True)
     files.write(options.out, files.table(COLUMNS, rows))

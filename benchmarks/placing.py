@@ -153,16 +153,14 @@ def main():
     parser = script.Parser(prog="placing.py", description=__doc__.splitlines()[0])
     eta = script.number("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1)
     parser.add_argument("--eta", type=eta, default=0)
-    parser.add_argument("--particles", type=script.at_least(500), default=4000, metavar="N")
-    parser.add_argument("--seeds", default="1,2", help="separated by commas")
+    tables.add_packings(parser, 4000, 500)
     parser.add_argument("--out", type=script.folder, default="placing", metavar="DIR")
     options = parser.parse_args()
-    seeds = [int(seed) for seed in options.seeds.split(",")]
-    about = dict(eta=options.eta, grains=options.particles, seeds=len(seeds))
+    about = dict(eta=options.eta, grains=options.particles, seeds=len(options.seeds))
     table = []
     for case in cases(0):
         tests = [sheared(os.path.join(options.out, f"{case}-{seed}"), options.eta,
-                         options.particles, seed, cases(seed)[case]) for seed in seeds]
+                         options.particles, seed, cases(seed)[case]) for seed in options.seeds]
         for one in rows(case, tests, about):
             table.append(one)
             print("  ".join(f"{name} {value:.3g}" if isinstance(value, float) else str(value)

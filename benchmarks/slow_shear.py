@@ -13,6 +13,7 @@ import time
 import numpy as np
 from yade.wrapper import Omega
 
+from benchmarks import tables
 from benchmarks.charts.quasi_static import observed
 from rcr import script
 from rcr._data import files
@@ -32,14 +33,6 @@ OBSERVABLES = ("friction_mobilization", "mobilized_fraction", "beta_n", "weak_fr
 COLUMNS = ("shape eta grains strain sample_inertia time_step iterations inertial_number "
            "steps seconds sin_phi scatter coordination_number").split() + [
     *OBSERVABLES, "mean_overlap", "max_overlap", "missed", "failed"]
-
-
-def arguments():
-    parser = script.Parser(prog="slow_shear.py", description=__doc__.splitlines()[0])
-    add = parser.add_argument
-    add("folders", nargs="+", metavar="FOLDER", help="tests of scripts/biaxial.py")
-    add("--out", type=script.new_file, default="slow-shear.csv", metavar="FILE", help="CSV")
-    return parser.parse_args()
 
 
 def measure(folder, inertia, time_step, iterations):
@@ -81,7 +74,7 @@ def _continue(test):
 
 
 def main():
-    options = arguments()
+    options = tables.tests_and_csv("slow_shear.py", __doc__, "slow-shear.csv")
     rows = []
     for folder in options.folders:
         for setting in SETTINGS:

@@ -28,6 +28,17 @@ def add_peers(parser, note=""):
                         help="folder of the programs of benchmarks/peers (default: build/peers)" + note)
 
 
+def seeds(text):
+    """Return the seeds in a text, separated by commas."""
+    return [int(seed) for seed in text.split(",")]
+
+
+def add_packings(parser, particles, fewest):
+    """Add --particles, with its default and least value, and --seeds."""
+    parser.add_argument("--particles", type=script.at_least(fewest), default=particles, metavar="N")
+    parser.add_argument("--seeds", type=seeds, default="1,2", help="separated by commas")
+
+
 def tests_and_csv(program, description, name):
     """Return the options of a script that makes a CSV of folders of scripts/biaxial.py."""
     parser = script.Parser(prog=program, description=description.splitlines()[0])
