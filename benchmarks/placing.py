@@ -9,6 +9,9 @@ is stopped continues with the same command. Cases:
     layers   circles deposited layer by layer, as in the study
     random   random sequential addition: each circle at a random free place, large ones first
     sizes    layers, with R_max = 3 R_min
+    loose    layers, discs only; steps of the shear are 0.1 t₀ long and end by the criterion of the
+             paper: plain sweeps, until the mean force changes by less than 1e-3
+             (`meanForceChange`)
 
 Prints a table and writes it to DIR: means over seeds, errors are standard errors.
 
@@ -22,6 +25,7 @@ long-grains.csv
 
 import math
 import os
+from types import MappingProxyType
 
 import numpy as np
 
@@ -63,13 +67,14 @@ def randomly(radii, rng):
 
 
 def cases(seed):
-    """{case: parameters of Biaxial.prepare}."""
+    """{case: parameters of Biaxial.prepare}; `shear` has attributes of the solver in the shear."""
     rng = np.random.default_rng(seed)
     return dict(layers={}, random=dict(place=lambda radii: randomly(radii, rng)),
-                sizes=dict(size_span=3))
+                sizes=dict(size_span=3),
+                loose=dict(time_step=0.1, shear=dict(solver="nlgs", meanForceChange=1e-3)))
 
 
-def sheared(folder, eta, particles, seed, parameters):
+def sheared(folder, eta, particles, seed, shear=MappingProxyType({}), **parameters):
     """Networks after the compaction and in the shear of a test, made or continued."""
     os.makedirs(folder, exist_ok=True)
     path = lambda strain: os.path.join(folder, f"{strain:.2f}.h5")
@@ -81,6 +86,8 @@ def sheared(folder, eta, particles, seed, parameters):
             test = Biaxial.prepare(eta, particles, seed, threads=1, **parameters)
             test.compact()
             test.isotropic.save(path(0))
+            for name, value in shear.items():
+                setattr(test.solver, name, value)
             test.save(folder)
         for strain in strains:
             if os.path.exists(path(strain)):
@@ -159,8 +166,10 @@ def main():
     about = dict(eta=options.eta, grains=options.particles, seeds=len(options.seeds))
     table = []
     for case in cases(0):
+        if case == "loose" and options.eta > 0:  # long grains sink into each other
+            continue
         tests = [sheared(os.path.join(options.out, f"{case}-{seed}"), options.eta,
-                         options.particles, seed, cases(seed)[case]) for seed in options.seeds]
+                         options.particles, seed, **cases(seed)[case]) for seed in options.seeds]
         for one in rows(case, tests, about):
             table.append(one)
             print("  ".join(f"{name} {value:.3g}" if isinstance(value, float) else str(value)

@@ -107,7 +107,8 @@ def slow_shear():
     return table(["η", "ρ (v W/2h)²/σ₀", "dt/t₀", "sweeps", "I", "steps", *titles.values()], rows)
 
 
-PLACINGS = dict(layers="in layers", random="at random", sizes="in layers, R_max = 3 R_min")
+PLACINGS = dict(layers="in layers", random="at random", sizes="in layers, R_max = 3 R_min",
+                loose="in layers, steps as in the paper")
 
 
 def with_error(row, name):
