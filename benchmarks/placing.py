@@ -25,7 +25,6 @@ long-grains.csv
 
 import math
 import os
-from types import MappingProxyType
 
 import numpy as np
 
@@ -74,7 +73,7 @@ def cases(seed):
                 loose=dict(time_step=0.1, shear=dict(solver="nlgs", meanForceChange=1e-3)))
 
 
-def sheared(folder, eta, particles, seed, shear=MappingProxyType({}), **parameters):
+def sheared(folder, eta, particles, seed, shear=(), **parameters):
     """Networks after the compaction and in the shear of a test, made or continued."""
     os.makedirs(folder, exist_ok=True)
     path = lambda strain: os.path.join(folder, f"{strain:.2f}.h5")
@@ -86,7 +85,7 @@ def sheared(folder, eta, particles, seed, shear=MappingProxyType({}), **paramete
             test = Biaxial.prepare(eta, particles, seed, threads=1, **parameters)
             test.compact()
             test.isotropic.save(path(0))
-            for name, value in shear.items():
+            for name, value in dict(shear).items():
                 setattr(test.solver, name, value)
             test.save(folder)
         for strain in strains:

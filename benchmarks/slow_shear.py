@@ -4,8 +4,7 @@
 
 A FOLDER is a test of scripts/biaxial.py at its final strain. Each setting continues it by `STRAIN`
 from its checkpoint. Means leave out the first `SETTLING` of strain. `scatter` is the standard
-deviation of sin φ over records of 0.001 of strain: the sample oscillates between the side walls,
-and σ_y follows the lateral stress in the sample. Prints a table and writes it as CSV.
+deviation of sin φ over records of 0.001 of strain. Prints a table and writes it as CSV.
 """
 
 import time

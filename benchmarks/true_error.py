@@ -35,6 +35,11 @@ def solution(problem, start):
     return found["impulse"] if found["residual"] <= WORST_REFERENCE else None
 
 
+def swept(problem, start):
+    """Solve that `auto` reaches from `start`: the reference of packings too large for `exact`."""
+    return kernel.solve(**dict(problem, impulse=start), **dict(REFERENCE, solver="auto"))
+
+
 def distance(problem, impulse, reference, position=None):
     """Distance of impulses to a reference, {name of `TITLES`: relative error}.
 

@@ -6,7 +6,7 @@ peak of the process less its size before the scene. The method `nlgs` is the pla
 
 Points N/true-error solve the problem of the last of these steps from zero impulses, with and
 without friction, to a true error of velocities of 0.1. The reference is what `auto` reaches from
-zero impulses within `MOST` sweeps. The spread is its distance to what `auto` reaches from the
+zero impulses (`true_error.swept`). The spread is its distance to what `auto` reaches from the
 impulses of the previous step.
 """
 
@@ -37,7 +37,6 @@ METHODS = "auto", "nlgs"  # of the steps
 SWEEPERS = "nlgs", "sor", "nesterov"
 ERROR = 0.1  # true error of velocities [-]
 TRUE_ERROR = "true-error"  # points of solves to ERROR
-MOST, TOLERANCE = 200_000, 1e-9  # of a reference: sweeps, and residual at which they end [-]
 SEARCHED = 30_000  # most sweeps to ERROR
 TOLERANCES = 10.0 ** -np.arange(1, 9.5, 0.5)  # of auto
 PANELS = dict(seconds=("processor time per grain and step [µs]", 1e6), sweeps=("sweeps per step", 1),
@@ -94,7 +93,7 @@ def _solves(count):
     cold, rows = np.zeros_like(problem["impulse"]), []
     for friction in problem["friction"], np.zeros_like(problem["friction"]):
         given = dict(problem, friction=friction)
-        warm, reference = (_tight(given, start) for start in (given["impulse"], cold))
+        warm, reference = (true_error.swept(given, start) for start in (given["impulse"], cold))
         given["impulse"] = cold
         error = partial(_error, given, reference["impulse"])
         about = dict(particles=count, friction=friction.max(), points=len(friction),
@@ -105,11 +104,6 @@ def _solves(count):
                      if method == "auto" else _least_sweeps(given, method, error))
             rows.append(dict(about, method=method, **found))
     return rows
-
-
-def _tight(problem, start):
-    return kernel.solve(**dict(problem, impulse=start), solver="auto", tolerance=TOLERANCE,
-                        accuracy=np.inf, max_iterations=MOST)
 
 
 def _error(problem, reference, found):
@@ -143,6 +137,11 @@ def _least_sweeps(problem, method, error):
 
 def _is_solve(row):
     return isinstance(row.get("reference"), float)
+
+
+def _is_reached(row):
+    """Return whether the solve has reached ERROR; cells of a file are empty otherwise."""
+    return row["sweeps"] not in ("", None)
 
 
 def _curves(rows):
@@ -199,9 +198,9 @@ def true_errors(rows):
 
 def _cost(last, row):
     """Cell of the table of solves; empty if ERROR is not reached."""
-    if row["sweeps"] in ("", None):
+    if not _is_reached(row):
         return ""
-    known = last and last["sweeps"] not in ("", None)
+    known = last and _is_reached(last)
     exponent = f" ({_exponent(last, row, 'sweeps'):+.2f})" if known else ""
     return f"{row['sweeps']:.0f}{exponent}, {1e6 * row['seconds'] / row['particles']:.2g}"
 
@@ -215,7 +214,7 @@ def plot(rows, options):
                         "o-", color=charts.COLORS[method], ms=4, lw=1, label=method)
         ax.set(xlabel="grains", ylabel=label, ylim=(0, None))
     for (friction, method), curve in _to_error(rows).items():
-        reached = [row for row in curve if row["sweeps"] not in ("", None)]
+        reached = list(filter(_is_reached, curve))
         last.loglog([row["particles"] for row in reached], [row["sweeps"] for row in reached],
                     "o-" if friction else "o:", color=charts.COLORS[method], ms=4, lw=1,
                     label=method + ("" if friction else ", no friction"))

@@ -239,9 +239,14 @@ def driven_scenes():
                   "slowest step over the median", "ended by a jam", "conditions violated"], lines)
 
 
+def published(folder):
+    """The analysis.json of a folder of docs/results."""
+    return json.loads((DOCS / "results" / folder / "analysis.json").read_text())
+
+
 def statements(folder, paper=papers.DEFAULT):
     """Statements of a paper against the published tests of a folder of docs/results."""
-    analysis = json.loads((DOCS / "results" / folder / "analysis.json").read_text())
+    analysis = published(folder)
     for entry in analysis.values():
         entry["value"] = {name: np.array(values, None if name == "shape" else float)
                           for name, values in entry["value"].items() if name != "files"}
@@ -250,8 +255,7 @@ def statements(folder, paper=papers.DEFAULT):
 
 def stationarity():
     """Change of a_c over the averaged strains of the study."""
-    text = (DOCS / "results" / "study" / "analysis.json").read_text()
-    value = json.loads(text)["O15"]["value"]
+    value = published("study")["O15"]["value"]
     columns = (value[name] for name in ("eta", "a_c", "a_c_drift", "a_c_drift_error"))
     rows = [[f"{eta:g}", f"{curve[-1]:.3f}", f"{change:+.3f} ± {error:.3f}",
              "yes" if abs(change) <= SIGMAS * error else "no"]

@@ -150,7 +150,7 @@ def test_where_methods_fail():
 
 
 def test_errors_of_a_packing_fall_with_the_sweeps(tmp_path, monkeypatch):
-    monkeypatch.setattr(large_packings, "MOST", 50_000)
+    monkeypatch.setitem(true_error.REFERENCE, "max_iterations", 50_000)
     rows = large_packings.run("60/0.7", options(tmp_path))
     for start in "warm", "cold":
         first, *_, last = (row for row in rows if row["method"] == "nesterov"
