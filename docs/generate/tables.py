@@ -27,7 +27,7 @@ from rcr._yade.counterparts import COUNTERPARTS
 from rcr import papers
 from rcr.plot import CATEGORIES, CONTACTS, SCALES
 from rcr.profile import QUANTITIES
-from rcr.study.criteria import SIGMAS
+from rcr.study.criteria import is_steady
 from rcr.study.protocol import SHAPE_NAMES
 from rcr.study.report import HEADER, markdown as table
 
@@ -258,7 +258,7 @@ def stationarity():
     value = published("study")["O15"]["value"]
     columns = (value[name] for name in ("eta", "a_c", "a_c_drift", "a_c_drift_error"))
     rows = [[f"{eta:g}", f"{curve[-1]:.3f}", f"{change:+.3f} ± {error:.3f}",
-             "yes" if abs(change) <= SIGMAS * error else "no"]
+             "yes" if is_steady(change, error) else "no"]
             for eta, curve, change, error in zip(*columns)]
     return table(["η", "a_c", "change of a_c", "stationary within two errors"], rows)
 

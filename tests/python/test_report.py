@@ -268,19 +268,21 @@ def test_analysis_of_other_runs_takes_the_place_of_one(out, folders):
 
 
 def test_report_counts_missed_tolerances_and_has_the_cost_of_the_tests(folders):
-    """Shares of 1 and 3 % of two seeds, 2 and 4 times the tolerance: (1 × 2 + 3 × 4)/4 = 3.5."""
+    """Shares of 1 and 3 % of two seeds, errors of 0.2 and 0.4: (1 × 0.2 + 3 × 0.4)/4 = 0.35."""
     runs = [Run.read(folders[1]) for _ in range(2)]
     assert report_text.unconverged_steps(runs).startswith("No summary.json counts")
     assert report_text.cost(runs) == "No summary.json has the cost of its test."
-    for run, share, mean, largest, minutes in zip(runs, (0.01, 0.03), (2.0, 4.0), (3.0, 9.0),
+    for run, share, mean, largest, minutes in zip(runs, (0.01, 0.03), (0.2, 0.4), (0.3, 0.9),
                                                   (2, 3)):
-        run.summary = dict(missed_fraction=share, missed_mean=mean, missed_max=largest,
+        run.summary = dict(missed_fraction=share, missed_mean=mean, missed_max=largest, seed=minutes,
                            wall_seconds=60.0 * minutes, peak_memory_bytes=minutes * 2**29)
-    expected = "η = 0.5: 2.0 %, by a factor of 3.5 in the mean, 9 at most."
+    expected = "η = 0.5: 2.0 %, with estimated errors of 0.35 in the mean, 0.9 at most."
     assert expected in report_text.unconverged_steps(runs)
     assert report_text.cost(runs) == (
-        "The tests took 5.0 min of wall time in all and 3.0 min the longest one; their largest "
-        "memory was 1.50 GiB.")
+        "The tests took 5.0 min of wall time in all (2.5 min for each of 2 seeds) and 3.0 min the "
+        "longest one; their largest memory was 1.50 GiB.")
+    runs[1].summary["seed"] = runs[0].summary["seed"]
+    assert "in all and 3.0 min the longest" in report_text.cost(runs)
 
 
 @pytest.mark.parametrize("name", ["wall_seconds", "missed_fraction", "aspect_ratio"])

@@ -54,6 +54,11 @@ def require_finite(values, reason="too few contacts"):
     return values
 
 
+def is_steady(change, error):
+    """Return whether a change over the averaged strains is at most `SIGMAS` of its errors."""
+    return abs(change) <= SIGMAS * error
+
+
 def known(error):
     """Return the errors, with 0 for unknown ones: then the tolerance alone counts."""
     return np.nan_to_num(error)

@@ -7,7 +7,7 @@ import numpy as np
 
 from rcr._data import checks
 from rcr.observables.packings import SEEDS
-from rcr.study.criteria import SIGMAS
+from rcr.study.criteria import is_steady
 from rcr.study.kinds import group_by_kind
 from rcr.study.paper import AGREES, DIFFERS, NOT_TESTED
 from rcr.study.protocol import HALF_RECORD
@@ -121,13 +121,12 @@ def approached(runs):
 def critical_states(runs, analysis):
     """Return {`Kind`: whether the averages are those of the critical state}.
 
-    It is `REACHED` if they begin beyond the approach and a_c changes over them by at most `SIGMAS`
-    of its errors, `UNKNOWN` if this change or its error is unknown, else `MOVES`.
+    It is `REACHED` if they begin beyond the approach and a_c is steady (`is_steady`), `UNKNOWN` if this change or its error is unknown, else `MOVES`.
     """
     value, beyond, states = analysis["O15"]["value"], approached(runs), {}
     columns = group_by_kind(runs), value["a_c_drift"], value["a_c_drift_error"]
     for kind, change, error in zip(*columns):
-        steady = beyond and abs(change) <= SIGMAS * error
+        steady = beyond and is_steady(change, error)
         known = np.isfinite([change, error]).all()
         states[kind] = MOVES if not beyond or known and not steady else (
             REACHED if known else UNKNOWN)
@@ -210,11 +209,13 @@ def _boxes(runs):
 
 def cost(runs):
     """Describe the wall time and the memory of the tests."""
-    rows = of_summaries(runs, "wall_seconds", "peak_memory_bytes")
+    rows = of_summaries(runs, "wall_seconds", "peak_memory_bytes", "seed")
     if not rows:
         return "No summary.json has the cost of its test."
-    seconds, memory = zip(*rows)
-    return (f"The tests took {sum(seconds) / 60:.1f} min of wall time in all and "
+    seconds, memory, seeds = zip(*rows)
+    total, count = sum(seconds) / 60, len(set(seeds))
+    each = f" ({total / count:.1f} min for each of {count} seeds)" if count > 1 else ""
+    return (f"The tests took {total:.1f} min of wall time in all{each} and "
             f"{max(seconds) / 60:.1f} min the longest one; their largest memory was "
             f"{max(memory) / 2**30:.2f} GiB.")
 
@@ -242,9 +243,9 @@ def unconverged_steps(runs):
         share, mean, largest = zip(*rows)
         text = "none"
         if any(share):
-            factor = sum(a * b for a, b in zip(share, mean)) / sum(share)
-            text = (f"{100 * sum(share) / len(share):.1f} %, by a factor of {factor:.2g} in the "
-                    f"mean, {max(largest):.2g} at most")
+            error = sum(a * b for a, b in zip(share, mean)) / sum(share)
+            text = (f"{100 * sum(share) / len(share):.1f} %, with estimated errors of {error:.2g} "
+                    f"in the mean, {max(largest):.2g} at most")
         parts.append(f"{kind.name}: {text}")
     if not parts:
         return "No summary.json counts the steps that missed the tolerance of the solver."
