@@ -14,7 +14,7 @@ def random_radii(count, seed):
     return 1 / (1 - 0.5 * np.random.default_rng(seed).random(count))
 
 
-def lowest_position(radius, centres, radii, width):
+def lowest_position(radius, centres, radii, width, sealed=0):
     """Height of the lowest free position, from all pairs of discs, floor and walls."""
     reach = radii + radius
     positions = [(radius, radius), (width - radius, radius)]
@@ -35,7 +35,7 @@ def lowest_position(radius, centres, radii, width):
     least = radius * (1 - TOUCH)
 
     def is_free(p):
-        in_box = p[1] >= least and least <= p[0] <= width - least
+        in_box = p[1] >= max(least, sealed) and least <= p[0] <= width - least
         return in_box and (np.hypot(*(centres - p).T) >= reach - TOUCH * radius).all()
 
     return min(p[1] for p in positions if is_free(p))
@@ -48,6 +48,19 @@ def test_every_disc_takes_the_lowest_free_position(seed):
     for k, radius in enumerate(radii):
         lowest = lowest_position(radius, centres[:k], radii[:k], width)
         assert centres[k, 1] == pytest.approx(lowest, abs=1e-6 * radius), f"disc {k}, seed {seed}"
+
+
+@pytest.mark.parametrize("span, seed", [(1, 0), (2, 1), (5, 2)])
+def test_places_below_a_complete_layer_are_closed(span, seed):
+    """A layer has 100 discs in a narrow box."""
+    radii, width = 1 + (span - 1) * np.random.default_rng(seed).random(230), 6.0 * span
+    centres = _kernel.deposit(radii, width)
+    for k in range(101, len(radii), 3):
+        whole = k // 100 * 100
+        sealed = centres[whole - 100:whole, 1].min()
+        near = np.arange(k)[centres[:k, 1] + radii[:k] + span > sealed]
+        lowest = lowest_position(radii[k], centres[near], radii[near], width, sealed)
+        assert centres[k, 1] == pytest.approx(lowest, abs=1e-6 * radii[k]), f"disc {k}"
 
 
 def test_discs_touch_two_and_overlap_nothing():
