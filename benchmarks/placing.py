@@ -9,8 +9,8 @@ is stopped continues with the same command. Cases:
     layers   circles deposited layer by layer, as in the study
     random   random sequential addition: each circle at a random free place, large ones first
     sizes    layers, with R_max = 3 R_min
-    loose    layers, discs only; steps of the shear are 0.1 t₀ long and end by the criterion of the
-             paper: plain sweeps, until the mean force changes by less than 1e-3
+    loose    layers, up to η = 0.2; steps of the shear are 0.1 t₀ long and end by the criterion of
+             the paper: plain sweeps, until the mean force changes by less than 1e-3
              (`meanForceChange`)
 
 Prints a table and writes it to DIR: means over seeds, errors are standard errors.
@@ -20,7 +20,8 @@ fabric.csv
     directions θ, is 2 |⟨exp(i k θ)⟩|. In the shear, a_c(ξ) is that of the ξ-networks at strains of
     0.15 to 0.3 [-]. *Inner* contacts are more than `MARGIN` mean diameters away from the walls.
 long-grains.csv
-    Of other grains: observables at strains of 0.15 to 0.3, and the ξ at which a_ln(ξ) is lowest.
+    Of other grains: observables at strains of 0.15 to 0.3, the ξ at which a_ln(ξ) is lowest, and
+    the last ξ at which a_fn(ξ) is negative. q/p is that of all contacts between grains.
 """
 
 import math
@@ -30,7 +31,7 @@ import numpy as np
 
 from benchmarks import tables
 from benchmarks.charts.quasi_static import observed
-from benchmarks.points_of_sides import xi_of_lowest_a_ln
+from benchmarks.points_of_sides import XI as WIDE_XI, xi_of_lowest_a_ln
 from rcr import script
 from rcr._data import files
 from rcr.ensemble import Ensemble
@@ -44,7 +45,9 @@ MARGIN = 5  # mean diameters
 HARMONICS = 2, 4, 6
 XI = np.arange(0.2, 1.5, 0.05)  # cutoffs f_n/⟨f_n⟩ [-]
 OF_DISCS = *(f"amplitude_{k}" for k in HARMONICS), "a_c_min", "a_c"
-OF_LONG_GRAINS = "beta_n", "weak_fraction", "a_c_weak", "c_f_lr", "c_f_l", "half_sum", "xi_a_ln"
+OF_LONG_GRAINS = ("beta_n", "weak_fraction", "a_c_weak", "c_f_lr", "c_f_l", "half_sum", "xi_a_ln",
+                  "q_over_p", "xi_a_fn")
+MOST_LOOSE = 0.2  # η up to which grains whose steps are solved loosely do not sink in too far
 
 
 def randomly(radii, rng):
@@ -137,8 +140,11 @@ def of_discs(tests, inner):
 def of_long_grains(networks):
     """Values of `OF_LONG_GRAINS` of a test."""
     ensemble = Ensemble(networks)
+    parts = ensemble.xi_networks
+    a_fn = parts.anisotropies(WIDE_XI).a_fn
     found = observed(ensemble) | ensemble.correlations() | dict(
-        xi_a_ln=xi_of_lowest_a_ln(ensemble.xi_networks))
+        xi_a_ln=xi_of_lowest_a_ln(parts), xi_a_fn=np.max(WIDE_XI, where=a_fn < 0, initial=0),
+        q_over_p=parts.shear_stress_ratio(ensemble.fn.max(keepdims=True))[0])
     return [found[name] for name in OF_LONG_GRAINS]
 
 
@@ -165,7 +171,7 @@ def main():
     about = dict(eta=options.eta, grains=options.particles, seeds=len(options.seeds))
     table = []
     for case in cases(0):
-        if case == "loose" and options.eta > 0:  # long grains sink into each other
+        if case == "loose" and options.eta > MOST_LOOSE:
             continue
         tests = [sheared(os.path.join(options.out, f"{case}-{seed}"), options.eta,
                          options.particles, seed, **cases(seed)[case]) for seed in options.seeds]

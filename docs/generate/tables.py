@@ -112,6 +112,8 @@ PLACINGS = dict(layers="in layers", random="at random", sizes="in layers, R_max 
 
 
 def with_error(row, name):
+    if row[name] is None:
+        return ""
     return f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}"
 
 
@@ -253,6 +255,31 @@ def statements(folder, paper=papers.DEFAULT):
     return table(HEADER, papers.load(paper).findings(analysis))
 
 
+STUDY_MEANS = dict(  # title: observable, its name, cutoff ξ
+    [("sin φ", ("O1", "sin_phi", None)), ("I_M", ("O5", "friction_mobilization", None)),
+     ("share of I_m > 0.99", ("O5", "mobilized_fraction", None)), ("β_n", ("O3", "beta_n", None)),
+     ("share of weak contacts", ("O3", "weak_fraction", None)), ("a_c", ("O15", "a_c", np.inf)),
+     ("a_c(ξ = 1)", ("O15", "a_c", 1)), ("a_fn", ("O17", "a_fn", np.inf)),
+     ("a_ft", ("O17", "a_ft", np.inf)), ("C(f, ℓ_r)", ("O12", "c_f_lr", None))])
+
+
+def study_means():
+    """Means of the study with their standard errors."""
+    analysis = published("study")
+
+    def column(observable, name, xi):
+        value = analysis[observable]["value"]
+        place = None if xi is None else -1 if xi == np.inf else value["xi"].index(xi)
+        at = lambda row: row if place is None else row[place]
+        return [dict(eta=eta, mean=at(mean), mean_error=at(error)) for eta, mean, error in zip(
+            value["eta"], value[name], value[f"{name}_error"])]
+
+    columns = [column(*key) for key in STUDY_MEANS.values()]
+    rows = [[f"{row[0]['eta']:g}", *(with_error(cell, "mean") for cell in row)]
+            for row in zip(*columns)]
+    return table(["η", *STUDY_MEANS], rows)
+
+
 def stationarity():
     """Change of a_c over the averaged strains of the study."""
     value = published("study")["O15"]["value"]
@@ -327,7 +354,8 @@ TABLES = {
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, examples,
     quasi_static, slow_shear, step_threads, parallel, points_of_sides, driven_scenes, meetings,
-    spring_energy, fabric, long_grains, sweeps_of_tests, compactions, stationarity)}
+    spring_energy, fabric, long_grains, sweeps_of_tests, compactions, stationarity,
+    study_means)}
 
 
 def updated(page):
