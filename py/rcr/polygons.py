@@ -37,7 +37,6 @@ def polygon(center, vertices, radius=0, angle=0, **options):
         material, fixed, color, mask, velocity and angular_velocity, as for `rcr.particle`.
     """
     corners = checks.array("vertices", vertices, (None, 2))
-    corners = corners - corners.mean(axis=0)  # digits of large coordinates would cancel
     radius = checks.number("radius", radius, "a finite rounding radius ≥ 0 [m]", lambda v: v >= 0)
     if len(corners) > 2 and _twice_area(corners) < 0:
         corners = corners[::-1]

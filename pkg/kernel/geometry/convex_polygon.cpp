@@ -64,9 +64,15 @@ std::string polygonError(const std::vector<Vec2>& v, double rounding)
 	return turned < 3 * M_PI ? std::string() : "sides cross each other; expected a convex polygon";
 }
 
-PlanarMoments momentsOf(const std::vector<Vec2>& v, double r)
+PlanarMoments momentsOf(const std::vector<Vec2>& vertices, double r)
 {
-	const std::size_t count = v.size();
+	const std::size_t count = vertices.size();
+	Vec2              mean; // integrals about it: the digits of distant coordinates would cancel
+	for (const Vec2 vertex : vertices)
+		mean = mean + 1 / double(count) * vertex;
+	std::vector<Vec2> v;
+	for (const Vec2 vertex : vertices)
+		v.push_back(vertex - mean);
 	double            area = 0, second = 0; // ∫ dA, ∫ |x|² dA
 	Vec2              first;                // ∫ x dA
 	// core, and rectangles on its sides
@@ -100,7 +106,7 @@ PlanarMoments momentsOf(const std::vector<Vec2>& v, double r)
 		        + 0.25 * angle * r * r * r * r;
 	}
 	const Vec2 centroid = 1 / area * first;
-	return { area, centroid, second - area * dot(centroid, centroid) };
+	return { area, mean + centroid, second - area * dot(centroid, centroid) };
 }
 
 } // namespace rcr
