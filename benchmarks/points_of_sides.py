@@ -83,8 +83,9 @@ def xi_networks_of(fn, normal_length, theta):
 
 
 def main():
-    options = tables.tests_and_csv("points_of_sides.py", __doc__, "points-of-sides.csv")
-    groups = by_kind([Run.read(folder) for folder in options.folders])
+    options = tables.tests_and_csv("points_of_sides.py", __doc__, "points-of-sides.csv",
+                                  averages=True)
+    groups = by_kind([Run.read(folder, options.from_strain) for folder in options.folders])
     rows = [row(runs, points) for runs in groups.values() for points in (1, 2, 4)]
     rows = [{name: f"{value:.4g}" for name, value in r.items()} for r in rows]
     files.write(options.out, files.table(COLUMNS, rows))

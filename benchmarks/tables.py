@@ -39,11 +39,17 @@ def add_packings(parser, particles, fewest):
     parser.add_argument("--seeds", type=seeds, default="1,2", help="separated by commas")
 
 
-def tests_and_csv(program, description, name):
-    """Return the options of a script that makes a CSV of folders of scripts/biaxial.py."""
+def tests_and_csv(program, description, name, averages=False):
+    """Return the options of a script that makes a CSV of folders of scripts/biaxial.py.
+
+    `averages`: with --from-strain, as scripts/network.py has it.
+    """
     parser = script.Parser(prog=program, description=description.splitlines()[0])
     parser.add_argument("folders", nargs="+", metavar="RUNS", help="folders of scripts/biaxial.py")
     parser.add_argument("--out", type=script.new_file, default=name, metavar="FILE", help="CSV")
+    if averages:
+        parser.add_argument("--from-strain", type=script.strain, metavar="E",
+                            help="first strain of the averages (default: half of each test's)")
     return parser.parse_args()
 
 

@@ -29,7 +29,6 @@ SELECTION = "from_strain", "to_strain", "include_yielded"  # options of shear te
 
 def arguments():
     """Return the options of the command line."""
-    strain = script.number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1)
     parser = script.Parser(prog="network.py", description=__doc__)
     add = parser.add_argument
     add("paths", nargs="+", metavar="PATH", help="folder with network-*.h5, or a network file")
@@ -38,9 +37,9 @@ def arguments():
         help="analyse shear tests too as networks of any scene, without the paper")
     add("--paper", choices=papers.names(), default=papers.DEFAULT,
         help="paper with which shear tests are compared")
-    add("--from-strain", type=strain, metavar="E",
+    add("--from-strain", type=script.strain, metavar="E",
         help="first strain of the averages of shear tests (default: half of --to-strain)")
-    add("--to-strain", type=strain, metavar="E",
+    add("--to-strain", type=script.strain, metavar="E",
         help="last strain of the averages of shear tests (default: each test's end)")
     add("--include-yielded", action="store_true",
         help="of shear tests, keep records and networks whose record has a step without a solution")

@@ -59,6 +59,9 @@ def number(expected="a finite number", valid=lambda v: True, kind=float):
     return parse
 
 
+strain = number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1)  # an option type
+
+
 def integer(expected="a whole number below 2^63", valid=lambda v: True):
     """Return an option type: a whole number of 64 bits for which `valid` holds."""
     return number(expected, valid, int)
