@@ -134,6 +134,14 @@ def long_grains():
     return table(["placing", *titles.values(), "ξ of the minimum of a_ln"], rows)
 
 
+def short_grains():
+    """Strength and forces of grains of η = 0.1, from benchmarks/placing.py --eta 0.1."""
+    titles = dict(q_over_p="q/p", a_c_weak="a_c(ξ = 1)", xi_a_fn="ξ up to which a_fn(ξ) < 0")
+    rows = [[PLACINGS[row["case"]], *(with_error(row, name) for name in titles)]
+            for row in measured("long-grains-0.1")]
+    return table(["placing", *titles.values()], rows)
+
+
 def compactions():
     """Packing fractions after compactions, from benchmarks/compactions.py."""
     rows = [[SHAPE_NAMES[row["shape"]], f"{row['eta']:g}", with_error(row, "without"),
@@ -354,7 +362,7 @@ TABLES = {
 } | {function.__name__.replace("_", "-"): function for function in (
     colors, contact_colors, quantities, counterparts, hard_scenes, stability, examples,
     quasi_static, slow_shear, step_threads, parallel, points_of_sides, driven_scenes, meetings,
-    spring_energy, fabric, long_grains, sweeps_of_tests, compactions, stationarity,
+    spring_energy, fabric, long_grains, short_grains, sweeps_of_tests, compactions, stationarity,
     study_means)}
 
 
