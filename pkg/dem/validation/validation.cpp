@@ -208,6 +208,14 @@ std::string missingSolver(const Scene& scene)
 	        "InteractionLoop and the NewtonIntegrator.");
 }
 
+/// Returns false if the material has the number of a place in O.materials that it does not have.
+static bool isListed(const Scene& scene, const Material& material)
+{
+	const auto& listed = scene.materials;
+	return material.id < 0
+	        || (material.id < int(listed.size()) && listed[material.id].get() == &material);
+}
+
 std::string prepareRun(Scene& scene)
 {
 	static PairExclusions last; // of the last run
@@ -224,8 +232,13 @@ std::string prepareRun(Scene& scene)
 	seen = now;
 	if (scene.isPeriodic && !view.first<RigidSolver>()) suppressHomoDeform(scene, false);
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
-	for (const auto& b : *scene.bodies) // from texts of few digits; YADE does so after the step
-		if (b && math::abs(b->state->ori.norm() - 1) > 1e-9) b->state->ori.normalize();
+	for (const auto& b : *scene.bodies) {
+		if (!b) continue;
+		// from texts of few digits; YADE does so after the step
+		if (math::abs(b->state->ori.norm() - 1) > 1e-9) b->state->ori.normalize();
+		// of an earlier scene: YADE could not load what it saves
+		if (b->material && !isListed(scene, *b->material)) b->material->id = -1;
+	}
 	// lets a collider that YADE has cleared list all bodies, also after an erasure
 	scene.bodies->checkedByCollider = false;
 	return {};

@@ -250,3 +250,17 @@ def test_a_misspelt_attribute_is_refused():
                 error=AttributeError)
         setattr(thing, near, 0.01)
         assert getattr(thing, near) == 0.01
+
+
+@LAWS
+def test_a_scene_with_a_body_of_an_earlier_scene_can_be_loaded(law, tmp_path):
+    """Its material had a place in the O.materials of that scene."""
+    O.materials.append([yade.wrapper.FrictMat(), yade.wrapper.FrictMat(density=2000)])
+    earlier = rcr.disc((0, 0.02), 0.01, material=1)
+    build(rcr.wall("y", 0), earlier, law=law, dt=1e-5)
+    O.step()
+    path = str(tmp_path / "scene.yade")
+    O.save(path)
+    O.load(path, quiet=True)
+    O.step()
+    assert O.bodies[1].material.density == 2000 and O.iter == 2
