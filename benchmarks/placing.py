@@ -38,6 +38,7 @@ from rcr.ensemble import Ensemble
 from rcr.network import Network
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
+from rcr.study.criteria import last_negative
 from rcr.xi_networks import XiNetworks
 
 LOOSE, FIRST, LAST, INTERVAL = 0.45, 0.15, 0.3, 0.01  # packing fraction; strains of networks [-]
@@ -141,10 +142,9 @@ def of_long_grains(networks):
     """Values of `OF_LONG_GRAINS` of a test."""
     ensemble = Ensemble(networks)
     parts = ensemble.xi_networks
-    a_fn = parts.anisotropies(WIDE_XI).a_fn
-    found = observed(ensemble) | ensemble.correlations() | dict(
-        xi_a_ln=xi_of_lowest_a_ln(parts), xi_a_fn=np.max(WIDE_XI, where=a_fn < 0, initial=0),
-        q_over_p=parts.shear_stress_ratio(ensemble.fn.max(keepdims=True))[0])
+    found = observed(ensemble) | dict(
+        xi_a_ln=xi_of_lowest_a_ln(parts),
+        xi_a_fn=last_negative(WIDE_XI, parts.anisotropies(WIDE_XI).a_fn))
     return [found[name] for name in OF_LONG_GRAINS]
 
 

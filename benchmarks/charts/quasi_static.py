@@ -145,8 +145,8 @@ def observed(ensemble):
     return dict(friction_mobilization=ensemble.mobilization.mean(),
                 weak_fraction=np.mean(ensemble.fn < 1), beta_n=beta, a_c_half=half[0],
                 a_c_weak=weak[0], a_c=whole[0], a_ln=whole[1], a_fn_weak=weak[3], a_fn=whole[3],
-                a_ft=whole[4], q_weak=ratio[0], half_sum=0.5 * whole.sum() / ratio[1],
-                c_f_lr=ensemble.correlations()["c_f_lr"])
+                a_ft=whole[4], q_weak=ratio[0], q_over_p=ratio[1],
+                half_sum=0.5 * whole.sum() / ratio[1], **ensemble.correlations())
 
 
 # ---- limit, changes and figure

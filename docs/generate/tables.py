@@ -27,7 +27,7 @@ from rcr._yade.counterparts import COUNTERPARTS
 from rcr import papers
 from rcr.plot import CATEGORIES, CONTACTS, SCALES
 from rcr.profile import QUANTITIES
-from rcr.study.criteria import is_steady
+from rcr.study.criteria import at_xi_1, is_steady
 from rcr.study.protocol import SHAPE_NAMES
 from rcr.study.report import HEADER, markdown as table
 
@@ -111,10 +111,12 @@ PLACINGS = dict(layers="in layers", random="at random", sizes="in layers, R_max 
                 loose="in layers, steps as in the paper")
 
 
+def plus_minus(mean, error):
+    return f"{mean:.3f} ± {error:.3f}"
+
+
 def with_error(row, name):
-    if row[name] is None:
-        return ""
-    return f"{row[name]:.3f} ± {row[f'{name}_error']:.3f}"
+    return plus_minus(row[name], row[f"{name}_error"])
 
 
 def fabric():
@@ -250,42 +252,34 @@ def driven_scenes():
 
 
 def published(folder):
-    """The analysis.json of a folder of docs/results."""
-    return json.loads((DOCS / "results" / folder / "analysis.json").read_text())
+    """The analysis.json of a folder of docs/results, with arrays."""
+    analysis = json.loads((DOCS / "results" / folder / "analysis.json").read_text())
+    for entry in analysis.values():
+        entry["value"] = {name: np.array(values, None if name == "shape" else float)
+                          for name, values in entry["value"].items() if name != "files"}
+    return analysis
 
 
 def statements(folder, paper=papers.DEFAULT):
     """Statements of a paper against the published tests of a folder of docs/results."""
-    analysis = published(folder)
-    for entry in analysis.values():
-        entry["value"] = {name: np.array(values, None if name == "shape" else float)
-                          for name, values in entry["value"].items() if name != "files"}
-    return table(HEADER, papers.load(paper).findings(analysis))
-
-
-STUDY_MEANS = dict(  # title: observable, its name, cutoff ξ
-    [("sin φ", ("O1", "sin_phi", None)), ("I_M", ("O5", "friction_mobilization", None)),
-     ("share of I_m > 0.99", ("O5", "mobilized_fraction", None)), ("β_n", ("O3", "beta_n", None)),
-     ("share of weak contacts", ("O3", "weak_fraction", None)), ("a_c", ("O15", "a_c", np.inf)),
-     ("a_c(ξ = 1)", ("O15", "a_c", 1)), ("a_fn", ("O17", "a_fn", np.inf)),
-     ("a_ft", ("O17", "a_ft", np.inf)), ("C(f, ℓ_r)", ("O12", "c_f_lr", None))])
+    return table(HEADER, papers.load(paper).findings(published(folder)))
 
 
 def study_means():
     """Means of the study with their standard errors."""
-    analysis = published("study")
-
-    def column(observable, name, xi):
-        value = analysis[observable]["value"]
-        place = None if xi is None else -1 if xi == np.inf else value["xi"].index(xi)
-        at = lambda row: row if place is None else row[place]
-        return [dict(eta=eta, mean=at(mean), mean_error=at(error)) for eta, mean, error in zip(
-            value["eta"], value[name], value[f"{name}_error"])]
-
-    columns = [column(*key) for key in STUDY_MEANS.values()]
-    rows = [[f"{row[0]['eta']:g}", *(with_error(cell, "mean") for cell in row)]
-            for row in zip(*columns)]
-    return table(["η", *STUDY_MEANS], rows)
+    value = {name: entry["value"] for name, entry in published("study").items()}
+    mean = lambda of, name: (value[of][name], value[of][f"{name}_error"])
+    whole = lambda of, name: np.array(mean(of, name))[..., -1]  # of all contacts
+    columns = {
+        "sin φ": mean("O1", "sin_phi"), "I_M": mean("O5", "friction_mobilization"),
+        "share of I_m > 0.99": mean("O5", "mobilized_fraction"), "β_n": mean("O3", "beta_n"),
+        "share of weak contacts": mean("O3", "weak_fraction"), "a_c": whole("O15", "a_c"),
+        "a_c(ξ = 1)": at_xi_1(value["O15"], "a_c"), "a_fn": whole("O17", "a_fn"),
+        "a_ft": whole("O17", "a_ft"), "C(f, ℓ_r)": mean("O12", "c_f_lr")}
+    rows = [[f"{eta:g}", *("" if np.isnan(means[k]) else plus_minus(means[k], errors[k])
+                           for means, errors in columns.values())]
+            for k, eta in enumerate(value["O1"]["eta"])]
+    return table(["η", *columns], rows)
 
 
 def stationarity():

@@ -274,8 +274,9 @@ def test_report_counts_missed_tolerances_and_has_the_cost_of_the_tests(folders):
     assert report_text.cost(runs) == "No summary.json has the cost of its test."
     for run, share, mean, largest, minutes in zip(runs, (0.01, 0.03), (0.2, 0.4), (0.3, 0.9),
                                                   (2, 3)):
-        run.summary = dict(missed_fraction=share, missed_mean=mean, missed_max=largest, seed=minutes,
-                           wall_seconds=60.0 * minutes, peak_memory_bytes=minutes * 2**29)
+        run.summary = dict(missed_fraction=share, missed_mean=mean, missed_max=largest,
+                           seed=minutes, wall_seconds=60.0 * minutes,
+                           peak_memory_bytes=minutes * 2**29)
     expected = "η = 0.5: 2.0 %, with estimated errors of 0.35 in the mean, 0.9 at most."
     assert expected in report_text.unconverged_steps(runs)
     assert report_text.cost(runs) == (

@@ -49,8 +49,8 @@ namespace {
 			return left.center + along * unit + leg(a, along) * perp(unit);
 		}
 
-		/// Length of the path of the place over the change of r, at most, from this radius on. It
-		/// is 1/cos(φ/2), with the angle φ between the contacts of the third disc.
+		/// Length of the path of the place over the change of r, at most, from this radius on:
+		/// 1/cos(φ/2) with the angle φ between the contacts of the third disc.
 		double slope(double r) const
 		{
 			const double difference = left.radius - right.radius;
@@ -58,6 +58,25 @@ namespace {
 			        - (distance * distance - difference * difference)
 			                / (2 * (left.radius + r) * (right.radius + r));
 			return std::sqrt(2 / (1 + cosine));
+		}
+	};
+
+	/// Places on a pair of all discs of a class of radii, from the smallest disc on.
+	struct Path {
+		Vec2   first;
+		double radius, change, slope; // change: of the radius
+
+		Path(const Pair& pair, double r, double end)
+		        : first(pair.place(r)), radius(r), change(end - r), slope(pair.slope(r))
+		{
+		}
+
+		/// Returns true if the disc overlaps all of them. The gap grows by at most slope − 1 per
+		/// radius.
+		bool isClosedBy(const Disc& disc) const
+		{
+			const double gap = norm(first - disc.center) - disc.radius - radius;
+			return gap + change * (slope - 1) < -2 * rounding * (radius + change);
 		}
 	};
 
@@ -107,12 +126,15 @@ namespace {
 		{
 			bool closes = false;
 			for (Pair& pair : pairs_) {
-				if (std::abs(pair.left.center.x - disc.center.x) > 5 * largest_) continue;
+				// from the left disc to the place, and on to the new disc
+				if (std::abs(pair.left.center.x - disc.center.x) > 4 * largest_) continue;
 				for (int k = 0; k < classes; ++k)
-					if ((pair.open >> k & 1) && isClosedBy(disc, pair, k)) pair.open &= ~(1u << k);
+					if ((pair.open >> k & 1) && pair.supports(edge(k))
+					        && pathOf(pair, k).isClosedBy(disc))
+						pair.open &= ~(1u << k);
 				closes = closes || pair.open == 0;
 			}
-			if (closes) removePairs([](const Pair& pair) { return pair.open == 0; });
+			if (closes) removeClosedPairs();
 			forEachNear(disc.center.x, disc.radius + 3 * largest_, [&](const Disc& other) {
 				Pair pair(disc, other);
 				if (!pair.supports(largest_)) return;
@@ -134,7 +156,7 @@ namespace {
 			removePairs([&](const Pair& pair) { return buried(pair.left) || buried(pair.right); });
 			for (Pair& pair : pairs_)
 				findOpenClasses(pair);
-			removePairs([](const Pair& pair) { return pair.open == 0; });
+			removeClosedPairs();
 		}
 
 	private:
@@ -147,9 +169,15 @@ namespace {
 			return k;
 		}
 
+		Path pathOf(const Pair& pair, int k) const { return { pair, edge(k), edge(k + 1) }; }
+
 		template <class Remove> void removePairs(Remove remove)
 		{
 			pairs_.erase(std::remove_if(pairs_.begin(), pairs_.end(), remove), pairs_.end());
+		}
+		void removeClosedPairs()
+		{
+			removePairs([](const Pair& pair) { return pair.open == 0; });
 		}
 
 		/// Calls visit(disc) for the discs whose centres are less than `reach` from x.
@@ -174,16 +202,6 @@ namespace {
 			return free;
 		}
 
-		/// Returns true if the disc overlaps all discs of class k on the pair. Along the path of
-		/// the place, the gap grows by at most slope − 1 per radius.
-		bool isClosedBy(const Disc& disc, const Pair& pair, int k) const
-		{
-			const double r = edge(k), end = edge(k + 1);
-			if (!pair.supports(r)) return false;
-			const double gap = norm(pair.place(r) - disc.center) - disc.radius - r;
-			return gap + (end - r) * (pair.slope(r) - 1) < -2 * rounding * end;
-		}
-
 		/// Sets `open` and `lowest`. A class stays open unless all its places are closed.
 		void findOpenClasses(Pair& pair) const
 		{
@@ -193,17 +211,17 @@ namespace {
 				if (!pair.supports(end)) continue;
 				double lowest = -infinity;
 				if (pair.supports(r)) {
-					const Vec2   at   = pair.place(r);
-					const double path = (end - r) * pair.slope(r) + 2 * rounding * end;
-					if (at.y + path < std::max(r, sealed_) || at.x + path < r
-					        || at.x - path > width_ - r)
+					const Path   path = pathOf(pair, k);
+					const Vec2   at   = path.first;
+					const double way  = path.change * path.slope + 2 * rounding * end;
+					if (at.y + way < std::max(r, sealed_) || at.x + way < r
+					        || at.x - way > width_ - r)
 						continue;
 					bool closed = false;
-					forEachNear(at.x, largest_ + r, [&](const Disc& d) {
-						closed = closed || isClosedBy(d, pair, k);
-					});
+					forEachNear(at.x, largest_ + r,
+					        [&](const Disc& d) { closed = closed || path.isClosedBy(d); });
 					if (closed) continue;
-					lowest = at.y - path;
+					lowest = at.y - way;
 				}
 				pair.open |= 1u << k;
 				pair.lowest = std::min(pair.lowest, lowest);

@@ -4,9 +4,9 @@
 // After each layer, places below its lowest disc are closed.
 //
 // The lowest place is found among pairs of discs. Most pairs lie below other discs and never offer
-// a place again. The radii are divided into classes, and each pair lists the classes that may still
-// have a free place on it. For a class from r on, with the place P(r) and the angle φ between its
-// contacts, a disc closes the pair if its gap to P(r) is below −Δr (1/cos(φ/2) − 1).
+// a place again. The radii are divided into classes. Each pair lists the classes that may still have
+// a free place on it. A disc closes the pair for the radii r to r + Δr if its gap to the place of r
+// is below −Δr (1/cos(φ/2) − 1). φ is the angle between the two contacts at this place.
 // Source: paper, sec. II B; Bratberg et al. 2002; Voivret et al. 2007.
 #pragma once
 

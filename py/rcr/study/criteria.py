@@ -47,6 +47,11 @@ def minimum(v, name):
     return v["xi"][k], v[name][place], v[f"{name}_error"][place]
 
 
+def last_negative(xi, values):
+    """Return the last ξ at which each function of ξ, (…, len(xi)), is negative; 0 if none."""
+    return np.max(np.where(values < 0, xi, 0), axis=-1)
+
+
 def require_finite(values, reason="too few contacts"):
     """Return the values; raise NotTested with a reason if one is NaN."""
     if not np.isfinite(values).all():

@@ -121,7 +121,8 @@ def approached(runs):
 def critical_states(runs, analysis):
     """Return {`Kind`: whether the averages are those of the critical state}.
 
-    It is `REACHED` if they begin beyond the approach and a_c is steady (`is_steady`), `UNKNOWN` if this change or its error is unknown, else `MOVES`.
+    It is `REACHED` if they begin beyond the approach and a_c is steady (`is_steady`), `UNKNOWN` if
+    its change or the error of this is unknown, else `MOVES`.
     """
     value, beyond, states = analysis["O15"]["value"], approached(runs), {}
     columns = group_by_kind(runs), value["a_c_drift"], value["a_c_drift_error"]

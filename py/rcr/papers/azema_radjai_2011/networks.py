@@ -5,7 +5,7 @@ import numpy as np
 from rcr.papers.azema_radjai_2011 import PAPER
 from rcr.study.criteria import (
     SIGMAS, NotTested, at_every_eta, at_xi_1, format_errors, format_largest, is_monotonic,
-    is_within, known, minimum, require_finite, slope_of, trend)
+    is_within, known, last_negative, minimum, require_finite, slope_of, trend)
 
 claim = PAPER.claim
 
@@ -198,7 +198,7 @@ def _(v):
 @claim("O17", "η > 0: a_fn becomes positive beyond ξ ≈ 2",
        "last change of sign at ξ in [1.5, 3] for every η > 0 (ξ given)", LONG)
 def _(v):
-    xi = np.max(np.where(v["a_fn"] < 0, v["xi"], 0), axis=1)
+    xi = last_negative(v["xi"], v["a_fn"])
     return (xi >= 1.5) & (xi <= 3), xi
 
 
