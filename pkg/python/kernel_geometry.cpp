@@ -16,10 +16,15 @@ namespace {
 		Ids   count(n), type(n);
 		const py::ssize_t two = 2;
 		Array position({ n, two, two }), normal({ n, two, two }), gap({ n, two });
+		Array shadow(n), slope(n);
+		Ids   slide(n);
 		for (py::ssize_t i = 0; i < n; ++i) {
 			Manifold manifold   = overlap(i);
 			count.mutable_at(i) = manifold.count;
 			type.mutable_at(i)  = int(manifold.type);
+			shadow.mutable_at(i) = manifold.shadow;
+			slide.mutable_at(i)  = manifold.slide;
+			slope.mutable_at(i)  = manifold.slope;
 			for (int k = 0; k < 2; ++k) {
 				ManifoldPoint& p = manifold.points[k];
 				if (k >= manifold.count) p = { { NAN, NAN }, { NAN, NAN }, NAN };
@@ -31,7 +36,8 @@ namespace {
 			}
 		}
 		return py::dict("count"_a = count, "type"_a = type, "position"_a = position,
-		        "normal"_a = normal, "gap"_a = gap);
+		        "normal"_a = normal, "gap"_a = gap, "shadow"_a = shadow, "slide"_a = slide,
+		        "slope"_a = slope);
 	}
 
 	Vec2 axisOf(double angle) { return { std::cos(angle), std::sin(angle) }; }
@@ -152,8 +158,10 @@ void bindGeometry(py::module_& m)
 	        "Half widths of the axis-aligned bounding box [m].");
 	const char* manifold
 	        = "Manifolds of N pairs: dict of count (N,), type (N,) with 0 cc, 1 cs, 2 ss, 3\n"
-	          "obstacle, position and normal (N, 2, 2), gap (N, 2) [m]. Unused points are NaN. A\n"
-	          "stadium is (half length, cap radius), a pose (x, y, angle).";
+	          "obstacle, position and normal (N, 2, 2), gap (N, 2) [m]. Unused points are NaN.\n"
+	          "shadow (N,) is the length of the shadow [m]; slide (N,) and slope (N,) are its change\n"
+	          "and that of the shallower gap per tangential displacement of body 2. A stadium is\n"
+	          "(half length, cap radius), a pose (x, y, angle).";
 	bindOverlap<Stadium>(
 	        m, "overlap_stadiums", { "stadium1", "pose1", "stadium2", "pose2" }, manifold);
 	bindOverlap<Vec2>(

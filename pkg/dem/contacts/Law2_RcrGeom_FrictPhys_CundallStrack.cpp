@@ -51,6 +51,7 @@ static std::string physError(const FrictPhys& phys)
 	return {};
 }
 
+constexpr double fadingLength = 0.1; // shadow below which a point loses weight, over the smaller R
 constexpr double checkedOverlap = 0.02; // least overlap that is checked, over R₁ + R₂
 constexpr double deepFraction   = 0.1;  // least overlap that counts, over a cap radius
 
@@ -77,6 +78,34 @@ static bool prepare(shared_ptr<IPhys>& phys, const Interaction& interaction)
 	return message.empty();
 }
 
+namespace {
+	/// The shallower of two points, which loses its weight as the shadow ends.
+	struct Fading {
+		int    point  = -1; // none
+		double weight = 1;  // [-]
+		double growth = 0;  // of the weight per tangential displacement of body 2 [1/m]
+		double slope  = 0;  // growth of the gap [-]
+
+		Fading(const rcr::Manifold& m, double radius)
+		{
+			const double length = fadingLength * radius, s = m.shadow / length;
+			if (m.count < 2) return;
+			point = m.points[1].gap < m.points[0].gap ? 0 : 1;
+			slope = m.slope;
+			if (s >= 1) return;
+			weight = s * s * (3 - 2 * s);
+			growth = m.slide * 6 * s * (1 - s) / length;
+		}
+
+		/// Tangential force on body 2 by the energy of the point.
+		double edgeForce(double stiffness, double pull, double overlap) const
+		{
+			return -growth * (0.5 * stiffness * overlap - pull) * overlap
+			        + slope * weight * (stiffness * overlap - pull);
+		}
+	};
+} // namespace
+
 bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
         shared_ptr<IGeom>& igeom, shared_ptr<IPhys>& iphys, Interaction* interaction)
 {
@@ -86,10 +115,12 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 	const Body &     one = *Body::byId(id1, scene), &two = *Body::byId(id2, scene);
 	if (one.isClumpMember() && one.clumpId == two.clumpId) return false; // a clump has joined them
 	RcrFrictPhys& phys = static_cast<RcrFrictPhys&>(*iphys);
+	phys.force1[1] -= phys.edge[0], phys.force2[1] -= phys.edge[1];
 	carryForces(geom, phys);
 
 	const State &       state1 = *one.state, &state2 = *two.state;
 	const rcr::Manifold manifold = geom.manifold();
+	const Fading        fading(manifold, double(std::min(geom.refR1, geom.refR2)));
 	const double        inverse  = inverseMass(id1, scene) + inverseMass(id2, scene);
 	const double        dashpot  = damping > 0 && inverse > 0
 	               ? 2 * double(damping) * std::sqrt(double(phys.kn) / inverse)
@@ -104,6 +135,7 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 	for (int k = 0; k < manifold.count; ++k) {
 		const rcr::ManifoldPoint& at    = manifold.points[k];
 		Vector2r&                 force = k == 0 ? phys.force1 : phys.force2;
+		phys.edge[k]                    = 0;
 		if (at.gap >= 0) {
 			force = Vector2r::Zero();
 			continue;
@@ -115,7 +147,13 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 		point.drift  = drift;
 		const rcr::LocalVector u = relativeVelocity(
 		        point, plane::velocityOf(state1), plane::velocityOf(state2));
-		const rcr::LocalVector f = pointForce(phys, dashpot, -at.gap, u, double(force[1]));
+		const bool       fades = k == fading.point;
+		rcr::LocalVector f     = pointForce(
+		            phys, dashpot, -at.gap, fades ? fading.weight : 1, u, double(force[1]));
+		if (fades) {
+			phys.edge[k] = fading.edgeForce(double(phys.kn), double(adhesion), -at.gap);
+			f.t += double(phys.edge[k]);
+		}
 		force                    = Vector2r(f.n, f.t);
 		normalForce              = normalForce + f.n * at.normal;
 		shearForce               = shearForce + f.t * perp(at.normal);
@@ -128,13 +166,14 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 	return true;
 }
 
-/// Force at a point with this overlap [m] and relative velocity. `tangential`: force before the
-/// step.
+/// Force at a point with this overlap [m], weight [-] and relative velocity, without the edge force.
+/// `tangential`: force before the step.
 rcr::LocalVector Law2_RcrGeom_FrictPhys_CundallStrack::pointForce(const FrictPhys& phys,
-        double dashpot, double overlap, const rcr::LocalVector& u, double tangential)
+        double dashpot, double overlap, double weight, const rcr::LocalVector& u, double tangential)
 {
-	const double dt = double(scene->dt), kn = double(phys.kn), ks = double(phys.ks),
-	             mu = double(phys.tangensOfFrictionAngle), pull = double(adhesion);
+	dashpot *= weight;
+	const double dt = double(scene->dt), kn = weight * double(phys.kn), ks = double(phys.ks),
+	             mu = double(phys.tangensOfFrictionAngle), pull = weight * double(adhesion);
 	const double n    = std::max(0.0, kn * overlap - dashpot * u.n);
 	const double free = tangential - ks * u.t * dt;
 	const double t    = std::max(-mu * n, std::min(free, mu * n));

@@ -7,6 +7,14 @@
 // Forces act on body 2; the tangent is the normal rotated by +90°. k_n, k_s [N/m] and µ come from
 // FrictPhys. They apply to each point, so a side-side contact with two points is twice as stiff.
 // Source: Cundall and Strack 1979.
+//
+// Where two sides slide off each other, both points meet. So the force and the energy
+// U = k_n δ²/2 − f_a δ of the shallower point have the weight
+//
+//   w = s² (3 − 2 s), s = min(1, L/L₀)   L: length of the shadow, L₀ = 0.1 min(R₁, R₂)
+//
+// and the edge force −∂(w U)/∂x acts along the tangent, where x is the displacement of body 2. Then
+// springs without friction have a potential.
 #pragma once
 
 #include "dem/contacts/RcrGeom.hpp"
@@ -21,7 +29,8 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrFrictPhys,FrictPhys,
 		"A :yref:`FrictPhys` with a force per contact point. :yref:`Law2_RcrGeom_FrictPhys_CundallStrack` creates it.",
-		RCR_POINT_FORCES,
+		RCR_POINT_FORCES
+		((Vector2r,edge,Vector2r::Zero(),Attr::readonly,"Edge force at each point, part of its tangential force [N]: at the shallower of two points whose sides slide off each other.")),
 		createIndex();
 	);
 	// clang-format on
@@ -51,7 +60,7 @@ public:
 
 private:
 	DECLARE_LOGGER;
-	rcr::LocalVector pointForce(const FrictPhys&, double dashpot, double overlap,
+	rcr::LocalVector pointForce(const FrictPhys&, double dashpot, double overlap, double weight,
 	        const rcr::LocalVector& u, double tangential);
 	void applyForce(Body::id_t, const rcr::PlanarVector& force);
 	void watchOverlap(const RcrGeom&, const FrictPhys&, const Interaction&);

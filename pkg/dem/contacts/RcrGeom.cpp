@@ -13,6 +13,7 @@ void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr
 	refR2  = r2;
 	points = m.count;
 	type   = int(m.type);
+	shadow = m.shadow, slide = m.slide, slope = m.slope;
 	if (points == 0) return;
 	const auto vector = [](rcr::Vec2 v) { return Vector2r(v.x, v.y); };
 	for (int k = 0; k < 2; ++k) {
@@ -29,9 +30,13 @@ void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr
 rcr::Manifold RcrGeom::manifold() const
 {
 	const auto vector = [](const Vector2r& v) { return rcr::Vec2 { double(v[0]), double(v[1]) }; };
-	return { points, rcr::ContactType(type),
-		{ { vector(position1), vector(normal1), double(gap[0]) },
-		        { vector(position2), vector(normal2), double(gap[1]) } } };
+	return { points,
+		 rcr::ContactType(type),
+		 { { vector(position1), vector(normal1), double(gap[0]) },
+		   { vector(position2), vector(normal2), double(gap[1]) } },
+		 double(shadow),
+		 slide,
+		 double(slope) };
 }
 
 /// An empty manifold creates nothing; where there was a contact, the Law2 erases it.

@@ -25,7 +25,10 @@ public:
 		((Vector2r,position1,Vector2r::Zero(),Attr::readonly,"First point [m]."))
 		((Vector2r,position2,Vector2r::Zero(),Attr::readonly,"Second point [m]."))
 		((Vector2r,normal1,Vector2r::Zero(),Attr::readonly,"Normal at the first point [-]."))
-		((Vector2r,normal2,Vector2r::Zero(),Attr::readonly,"Normal at the second point [-].")),
+		((Vector2r,normal2,Vector2r::Zero(),Attr::readonly,"Normal at the second point [-]."))
+		((Real,shadow,0,Attr::readonly,"Length of the shadow, from the end of one side to the end of the other [m]; 0 with one point."))
+		((int,slide,0,Attr::readonly,"Change of the shadow per tangential displacement of body 2: 1, −1, or 0 where both ends belong to one body."))
+		((Real,slope,0,Attr::readonly,"Change of the shallower gap per tangential displacement of body 2, at polygons whose normal is that of the other side [-].")),
 		createIndex();
 	);
 	// clang-format on

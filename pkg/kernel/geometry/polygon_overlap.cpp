@@ -88,7 +88,7 @@ namespace {
 		double distance;               // along the normal; negative: overlap
 		// end of the outline from the point in the direction of the tangent, [0], and against it
 		Vec2 end1[2], end2[2];
-		bool side;
+		int side = 0; // core on whose side one of the points lies; 0: both are vertices
 	};
 
 	/// Ends of the two sides at a vertex: along the tangent counter-clockwise around the core first.
@@ -102,7 +102,7 @@ namespace {
 		const Core  &c = face.ofOne ? one : two, &other = face.ofOne ? two : one;
 		const Vec2   normal = outward(c.along(face.side)), vertex = other.vertex(face.vertex);
 		Closest      found;
-		found.distance = face.distance, found.side = true;
+		found.distance = face.distance, found.side = face.ofOne ? 1 : 2;
 		found.normal   = face.ofOne ? normal : -normal;
 		(face.ofOne ? found.point1 : found.point2) = vertex - face.distance * normal;
 		(face.ofOne ? found.point2 : found.point1) = vertex;
@@ -125,7 +125,7 @@ namespace {
 				if (squared < least) least = squared, i = k, j = l;
 			}
 		Closest found;
-		found.point1 = one.vertex(i), found.point2 = two.vertex(j), found.side = false;
+		found.point1 = one.vertex(i), found.point2 = two.vertex(j);
 		found.distance = std::sqrt(least);
 		found.normal   = 1 / found.distance * (found.point2 - found.point1);
 		endsOfVertex(one, i, found.end1), endsOfVertex(two, j, found.end2);
@@ -138,6 +138,9 @@ namespace {
 		double length = 0; // of the shadow; 0: none
 		Vec2   point1, point2;
 		double distance = 0; // along the normal of the closest points
+		// changes per tangential displacement of core 2
+		int    slide = 0; // of the length
+		double slope = 0; // of the distance
 	};
 
 	ShadowEnd shadowEnd(const Closest& from, int direction)
@@ -151,6 +154,12 @@ namespace {
 		end.point1   = from.point1 + end.length / reach1 * way1;
 		end.point2   = from.point2 + end.length / reach2 * way2;
 		end.distance = dot(end.point2 - end.point1, from.normal);
+		// a vertex of the core that ends first moves along a side of the other one
+		const int side     = reach2 <= (1 + rounding) * reach1 ? 1 : 2,
+		          sign     = direction == 0 ? 1 : -1;
+		const double reach = side == 1 ? reach1 : reach2;
+		if (from.side != side) end.slide = side == 1 ? sign : -sign;
+		end.slope = -sign * dot(side == 1 ? way1 : way2, from.normal) / reach;
 		return end;
 	}
 
@@ -182,6 +191,9 @@ namespace {
 			        end.point1, end.point2, closest.normal, end.distance, radius1, radius2);
 			result.count     = 2;
 			result.type      = ContactType::sideSide;
+			result.shadow    = end.length;
+			result.slide     = end.slide;
+			result.slope     = end.slope;
 		}
 		result.sortAlong(perp(closest.normal));
 		return result;
@@ -233,7 +245,7 @@ Manifold polygonOverlap(const HalfPlane& wall, const Core& core, double maxGap)
 	for (int k = 1; k < core.count; ++k)
 		if (height(k) < height(lowest)) lowest = k;
 	Closest closest;
-	closest.distance = height(lowest), closest.normal = wall.normal, closest.side = true;
+	closest.distance = height(lowest), closest.normal = wall.normal, closest.side = 1;
 	closest.point2 = core.vertex(lowest);
 	closest.point1 = closest.point2 - closest.distance * wall.normal;
 	endsOfVertex(core, lowest, closest.end2);

@@ -13,9 +13,9 @@ namespace {
 	/// A point of core 1 that faces a point of core 2.
 	struct Facing {
 		Vec2   core1, core2;
-		Vec2   normal;           // unit, from body 1 to body 2
-		double distance = 0;     // of the points, along the normal
-		bool   side     = false; // one of the points lies within a side, not at an end
+		Vec2   normal;       // unit, from body 1 to body 2
+		double distance = 0; // of the points, along the normal
+		int    side     = 0; // body on whose side one of the points lies; 0: both are ends
 	};
 
 	/// Unit vector along `delta`, or `fallback` if delta is 0.
@@ -37,13 +37,16 @@ namespace {
 		if (a > 0 && std::abs(s) <= sideReach * a) {
 			const double h = cross(axis, q);
 			const Vec2   n = sign(h != 0 ? h : cross(axis, away)) * perp(axis);
-			return { center + s * axis, end, n, std::abs(h), true };
+			return { center + s * axis, end, n, std::abs(h), 1 };
 		}
 		const Vec2 foot = center + (s < 0 ? -a : a) * axis;
-		return { foot, end, {}, norm(end - foot), false };
+		return { foot, end, {}, norm(end - foot), 0 };
 	}
 
-	Facing swapped(const Facing& f) { return { f.core2, f.core1, -f.normal, f.distance, f.side }; }
+	Facing swapped(const Facing& f)
+	{
+		return { f.core2, f.core1, -f.normal, f.distance, f.side == 0 ? 0 : 3 - f.side };
+	}
 
 	ManifoldPoint manifoldPoint(const Facing& f, double radius1, double radius2)
 	{
@@ -55,6 +58,21 @@ namespace {
 	{
 		return *std::min_element(facing, facing + count,
 		        [](const Facing& a, const Facing& b) { return a.distance < b.distance; });
+	}
+
+	/// Length of the shadow along the side of the second point, and how it slides. Seen from the body
+	/// of that side, an end of the other body moves along it.
+	void setShadow(Manifold& result, const Facing& first, const Facing& second)
+	{
+		const bool   ofOne = second.side == 1;
+		const Vec2   from  = ofOne ? first.core1 : first.core2,
+		             end   = ofOne ? second.core1 : second.core2;
+		const double along = dot(end - from, perp(second.normal));
+		result.shadow      = std::abs(along);
+		if (first.side == second.side)
+			result.slide = 0; // `from` moves with `end`
+		else
+			result.slide = (along > 0) == ofOne ? 1 : -1;
 	}
 
 	/// The closest pair of facing points, and the farthest one from it along a side with a gap up
@@ -79,6 +97,7 @@ namespace {
 			result.points[1] = other;
 			result.count     = 2;
 			result.type      = ContactType::sideSide;
+			setShadow(result, closest, facing[k]);
 		}
 		result.sortAlong(axis);
 		return result;
@@ -112,7 +131,7 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 			const double h   = cross(at.axis, end - at.center);
 			if (-std::abs(h) <= least.distance) continue;
 			const Vec2   side = perp(at.axis);
-			const Facing back { end - h * side, end, -sign(h) * side, -std::abs(h), true };
+			const Facing back { end - h * side, end, -sign(h) * side, -std::abs(h), 1 };
 			least = k < 2 ? back : swapped(back);
 		}
 		return manifold(nullptr, 0, least, s1.capRadius, s2.capRadius, maxGap, at1.axis);
@@ -135,6 +154,8 @@ Manifold shadowOverlap(const HalfPlane& wall, const Stadium& s, const Pose& at, 
 			        = { core - (s.capRadius + gap / 2) * wall.normal, wall.normal, gap };
 		if (s.halfLength == 0) break;
 	}
+	if (result.count == 2)
+		result.shadow = 2 * s.halfLength * std::abs(cross(wall.normal, at.axis));
 	return result;
 }
 

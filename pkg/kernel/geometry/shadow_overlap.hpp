@@ -36,6 +36,10 @@ struct Manifold {
 	int           count = 0;
 	ContactType   type  = ContactType::capCap;
 	ManifoldPoint points[2];
+	double        shadow = 0; // its length; 0: one point [m]
+	// changes per tangential displacement of body 2
+	int    slide = 0; // of the shadow: 1, −1, or 0 where both ends belong to one body
+	double slope = 0; // of the shallower gap; 0 where the normal is that of the side
 
 	/// Deepest overlap of the points; 0 if all are open [m].
 	double deepest() const

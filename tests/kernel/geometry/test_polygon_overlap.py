@@ -208,6 +208,38 @@ def test_second_point_ends_the_shadow_on_the_flatter_side():
     assert compared > 800
 
 
+def test_shadow_and_shallower_gap_change_as_body_2_moves():
+    """Central differences along the tangent of the shallower point, where no corner rounds another."""
+    kinds = {-1: 0, 0: 0, 1: 0}
+    inclined = 0
+    rng = np.random.default_rng(14)
+    stadiums = [(one, 0.1, two, 0.2, *near_poses(rng, one, two, 0.3, 50))
+                for one, two in ((random_polygon(rng, 2), random_polygon(rng, 2))
+                                 for _ in range(100))]
+    for case in [*cases(13, 300, 50, counts=(2, 3, 4, 6)), *stadiums]:
+        one, radius1, two, radius2, pose1, pose2 = case
+        found = overlap(case)
+        row = np.arange(len(pose1))
+        deep = np.nan_to_num(found["gap"], nan=np.inf).argmin(axis=1)
+        normal = np.nan_to_num(found["normal"][row, 1 - deep])
+        tangent = np.column_stack([-normal[:, 1], normal[:, 0], 0 * row])
+        moved = [overlap((one, radius1, two, radius2, pose1, pose2 + way * 1e-7 * tangent))
+                 for way in (1, -1)]
+        usable = found["count"] == 2
+        for other in moved:
+            usable &= ((other["count"] == 2) & (other["slide"] == found["slide"])
+                       & (abs(other["normal"] - found["normal"]).max(axis=(1, 2)) < 1e-12)
+                       & (abs(other["gap"] - found["gap"]).max(axis=1) < 1e-6)
+                       & (abs(other["shadow"] - found["shadow"]) < 1e-6))
+        shadow, gap = (0.5e7 * (moved[0][name] - moved[1][name]) for name in ("shadow", "gap"))
+        assert shadow[usable] == pytest.approx(found["slide"][usable], abs=1e-6)
+        assert gap[row, 1 - deep][usable] == pytest.approx(found["slope"][usable], abs=1e-6)
+        for slide in kinds:
+            kinds[slide] += (found["slide"][usable] == slide).sum()
+        inclined += (abs(found["slope"][usable]) > 1e-3).sum()
+    assert min(kinds.values()) > 100 and inclined > 100
+
+
 def test_symmetries():
     """Swapped, turned and mirrored pairs have the same points."""
     for one, radius1, two, radius2, pose1, pose2 in cases(11, 100, 100):

@@ -72,8 +72,7 @@ def test_a_polygon_that_bounces_on_a_floor_keeps_its_energy(sides, radius):
     assert O.bodies[k].state.pos[1] > 0  # free fall would end 0.2 m below the floor
 
 
-@pytest.mark.parametrize("radius", [0, pytest.param(0.02, marks=pytest.mark.xfail(
-    strict=True, reason="a corner that passes the end of a side loses its second spring at once"))])
+@pytest.mark.parametrize("radius", [0, 0.02])
 def test_polygons_that_collide_keep_their_energy(radius):
     """1 % of the work of gravity, as RCRs in test_energy.py."""
     m, rng = material(0.3), np.random.default_rng(3)
