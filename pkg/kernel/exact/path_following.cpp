@@ -10,17 +10,20 @@ namespace {
 	constexpr double      minEnergyShare = 0.1; // of unstable contacts, over the largest energy [-]
 	constexpr double      edgeTolerance = 1e-13; // distance to the cone that counts as zero [-]
 
-	/// The change of a contact's piece: K += column rowᵀ, in (n, t).
+	/// The change of a contact's piece: K += column rowᵀ, in (n, t, r).
 	struct RankOne {
 		std::size_t contact;
-		LocalVector column, row;
+		RowValues   column, row;
 	};
 
-	/// The nearest edge of the present pieces.
+	constexpr int opens = -1; // no friction row: the contact closes or opens
+
+	/// The nearest edge of the present pieces. One friction row changes there, or all that slide.
 	struct Edge {
 		double      distance = 0;
 		std::size_t contact  = 0;
 		Piece       beyond   = {};
+		int         row      = opens;
 		bool        found    = false;
 	};
 
@@ -57,25 +60,32 @@ namespace {
 		void start()
 		{
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				const LocalVector p = problem_.reference[i], u = problem_.referenceVelocity[i];
-				const double      limit = problem_.contacts[i].friction * p.n;
-				const int         side  = p.t > 0 ? 1 : -1;
-				Piece&            piece = problem_.pieces[i];
-				shift_[i]               = {};
-				if (p.n <= 0) {
-					piece = { Piece::apart, 0 };
-					if (u.n < 0) shift_[i].n = -u.n;
-				} else if (limit <= 0) {
-					piece     = { Piece::slide, 0 };
-					shift_[i] = { -u.n, 0 };
-				} else if (std::abs(p.t) >= limit * (1 - edgeTolerance) && side * u.t < 0) {
-					piece     = { Piece::slide, static_cast<std::int8_t>(side) };
-					shift_[i] = { -u.n, 0 };
-				} else {
-					piece     = { Piece::stick, 0 };
-					shift_[i] = { -u.n, -u.t };
-				}
+				const RowValues p = problem_.reference[i], u = problem_.referenceVelocity[i];
+				Piece&          piece = problem_.pieces[i];
+				piece = {}, shift_[i] = {};
+				if (p.n > 0) {
+					piece.closed = true;
+					shift_[i].n  = -u.n;
+					for (int row : { 0, 1 })
+						startRow(row, i);
+				} else if (u.n < 0)
+					shift_[i].n = -u.n;
 				velocity_[i] = u + shift_[i];
+			}
+		}
+
+		void startRow(int row, std::size_t i)
+		{
+			const FrictionRow of    = frictionRows[row];
+			const double      limit = problem_.contacts[i].friction.*of * problem_.reference[i].n,
+			                  p = problem_.reference[i].*of, u = problem_.referenceVelocity[i].*of;
+			const int         side  = p > 0 ? 1 : -1;
+			if (limit <= 0) return;
+			if (std::abs(p) >= limit * (1 - edgeTolerance) && side * u < 0) {
+				problem_.pieces[i].slides.*of = side;
+			} else {
+				problem_.pieces[i].sticks[row] = true;
+				shift_[i].*of                  = -u;
 			}
 		}
 
@@ -87,14 +97,13 @@ namespace {
 			if (!problem_.factor()) return false;
 			std::fill(direction_.begin(), direction_.end(), BlockVector {});
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				const Piece       piece = problem_.pieces[i];
-				const double      k     = problem_.stiffness[i];
-				const LocalVector e     = shift_[i];
-				if (piece.kind == Piece::apart) continue;
-				const double t = piece.kind == Piece::stick
-				        ? k * e.t
-				        : piece.side * problem_.contacts[i].friction * k * e.n;
-				problem_.applyImpulse(i, { k * e.n, t }, direction_);
+				const Piece& piece = problem_.pieces[i];
+				if (!piece.closed) continue;
+				const RowValues e = shift_[i], mu = problem_.contacts[i].friction;
+				RowValues       stiff = e;
+				if (!piece.sticks[0]) stiff.t = piece.slides.t * mu.t * e.n;
+				if (!piece.sticks[1]) stiff.r = piece.slides.r * mu.r * e.n;
+				problem_.applyImpulse(i, problem_.stiffness[i] * stiff, direction_);
 			}
 			problem_.matrix.solve(direction_);
 			for (std::size_t i = 0; i < problem_.size(); ++i)
@@ -108,37 +117,57 @@ namespace {
 			Edge edge;
 			edge.distance       = 1 - t_;
 			const auto consider = [&](double value, double slope, std::size_t contact,
-			                              Piece beyond) {
+			                              const Piece& beyond, int row) {
 				// value ≤ 0 inside the piece, up to rounding
 				if (!(slope > 0) || -value >= edge.distance * slope) return;
-				edge = { std::max(0.0, -value / slope), contact, beyond, true };
+				edge = { std::max(0.0, -value / slope), contact, beyond, row, true };
 			};
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				const double      k = problem_.stiffness[i], mu = problem_.contacts[i].friction;
-				const LocalVector p = problem_.reference[i];
-				const double      n = p.n - k * velocity_[i].n, dn = -k * rate_[i].n;
-				const double      t = p.t - k * velocity_[i].t, dt = -k * rate_[i].t;
-				const Piece       piece = problem_.pieces[i];
-				if (piece.kind == Piece::apart) {
-					if (dn > 0) consider(n, dn, i, enter(mu, t + dt * std::max(0.0, -n / dn)));
-				} else if (piece.kind == Piece::stick) {
-					consider(t - mu * n, dt - mu * dn, i, { Piece::slide, 1 });
-					consider(-t - mu * n, -dt - mu * dn, i, { Piece::slide, -1 });
-				} else {
-					consider(-n, -dn, i, { Piece::apart, 0 });
-					if (mu > 0)
-						consider(mu * n - piece.side * t, mu * dn - piece.side * dt, i,
-						        { Piece::stick, 0 });
+				const double    k     = problem_.stiffness[i];
+				const RowValues p     = problem_.reference[i] - k * velocity_[i],
+				                dp    = -k * rate_[i];
+				const Piece&    piece = problem_.pieces[i];
+				if (!piece.closed) {
+					if (dp.n > 0)
+						consider(p.n, dp.n, i,
+						        enter(i, p + std::max(0.0, -p.n / dp.n) * dp), opens);
+					continue;
+				}
+				if (!piece.anySticks()) consider(-p.n, -dp.n, i, {}, opens);
+				for (int row : { 0, 1 }) {
+					const FrictionRow of = frictionRows[row];
+					const double      mu = problem_.contacts[i].friction.*of;
+					if (mu <= 0) continue;
+					if (piece.sticks[row])
+						for (int side : { 1, -1 })
+							consider(side * p.*of - mu * p.n, side * dp.*of - mu * dp.n, i,
+							        withRow(piece, row, side), row);
+					else
+						consider(mu * p.n - piece.slides.*of * p.*of,
+						        mu * dp.n - piece.slides.*of * dp.*of, i,
+						        withRow(piece, row, 0), row);
 				}
 			}
 			return edge;
 		}
 
-		/// A contact that closes slides first, because its cone is still a point.
-		static Piece enter(double friction, double tangential)
+		/// The piece with another state of a friction row; side 0: it sticks.
+		static Piece withRow(Piece piece, int row, int side)
 		{
-			const int side = friction <= 0 ? 0 : tangential > 0 ? 1 : -1;
-			return { Piece::slide, static_cast<std::int8_t>(side) };
+			piece.sticks[row]               = side == 0;
+			piece.slides.*frictionRows[row] = side;
+			return piece;
+		}
+
+		/// A contact that closes slides first, because its cone is still a point.
+		Piece enter(std::size_t i, const RowValues& predictor) const
+		{
+			Piece piece;
+			piece.closed = true;
+			for (const FrictionRow of : frictionRows)
+				if (problem_.contacts[i].friction.*of > 0)
+					piece.slides.*of = predictor.*of > 0 ? 1 : -1;
+			return piece;
 		}
 
 		void advance(double distance)
@@ -156,9 +185,9 @@ namespace {
 			std::fill(response_.begin(), response_.end(), BlockVector {});
 			problem_.applyImpulse(change.contact, change.column, response_);
 			applyInverse(response_);
-			const LocalVector r     = problem_.relativeVelocity(change.contact, response_);
-			const double      delta = 1 + change.row.n * r.n
-			        + change.row.t * r.t; // ratio of the determinants
+			// ratio of the determinants
+			const double delta
+			        = 1 + dot(change.row, problem_.relativeVelocity(change.contact, response_));
 			if (!(delta > 0)) {
 				findUnstable();
 				return false;
@@ -166,8 +195,7 @@ namespace {
 			problem_.pieces[change.contact] = edge.beyond;
 			++end_.pivots;
 			if (updates_.size() == maxUpdates) return findDirection();
-			const LocalVector du     = rate_[change.contact];
-			const double      amount = dot(change.row, du) / delta;
+			const double amount = dot(change.row, rate_[change.contact]) / delta;
 			for (std::size_t i = 0; i < problem_.size(); ++i)
 				rate_[i] = rate_[i] - amount * problem_.relativeVelocity(i, response_);
 			updates_.push_back({ change, delta, response_ });
@@ -176,15 +204,23 @@ namespace {
 
 		RankOne changeOf(const Edge& edge) const
 		{
-			const Piece  from = problem_.pieces[edge.contact], to = edge.beyond;
-			const double k  = problem_.stiffness[edge.contact],
-			             mu = problem_.contacts[edge.contact].friction;
-			if (from.kind == Piece::apart)
-				return { edge.contact, { k, k * to.side * mu }, { 1, 0 } };
-			if (to.kind == Piece::apart)
-				return { edge.contact, { -k, -k * from.side * mu }, { 1, 0 } };
-			if (to.kind == Piece::stick) return { edge.contact, { 0, k }, { -from.side * mu, 1 } };
-			return { edge.contact, { 0, -k }, { -to.side * mu, 1 } };
+			const Piece &   from = problem_.pieces[edge.contact], &to = edge.beyond;
+			const RowValues mu    = problem_.contacts[edge.contact].friction;
+			const double    k     = problem_.stiffness[edge.contact];
+			RankOne         change { edge.contact, {}, {} };
+			if (edge.row == opens) {
+				const Piece& closed = to.closed ? to : from;
+				const double sign   = to.closed ? k : -k;
+				change.column = sign * RowValues { 1, closed.slides.t * mu.t, closed.slides.r * mu.r };
+				change.row.n  = 1;
+				return change;
+			}
+			const FrictionRow of     = frictionRows[edge.row];
+			const bool        sticks = to.sticks[edge.row];
+			change.column.*of        = sticks ? k : -k;
+			change.row.*of           = 1;
+			change.row.n             = -((sticks ? from : to).slides.*of * mu.*of);
+			return change;
 		}
 
 		/// b ← A⁻¹ b; A is the factored matrix with its updates.
@@ -192,8 +228,8 @@ namespace {
 		{
 			problem_.matrix.solve(b);
 			for (const Update& update : updates_) {
-				const LocalVector u = problem_.relativeVelocity(update.change.contact, b);
-				const double      amount = dot(update.change.row, u) / update.delta;
+				const RowValues u      = problem_.relativeVelocity(update.change.contact, b);
+				const double    amount = dot(update.change.row, u) / update.delta;
 				for (std::size_t i = 0; i < b.size(); ++i)
 					for (int j = 0; j < 4; ++j)
 						b[i].entry[j] -= amount * update.response[i].entry[j];
@@ -206,9 +242,9 @@ namespace {
 		{
 			std::vector<double> energy(problem_.size(), 0);
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				if (problem_.pieces[i].kind == Piece::apart) continue;
-				const LocalVector u = problem_.relativeVelocity(i, response_);
-				energy[i]           = problem_.stiffness[i] * square(u);
+				if (!problem_.pieces[i].closed) continue;
+				const RowValues u = problem_.relativeVelocity(i, response_);
+				energy[i]         = problem_.stiffness[i] * dot(u, u);
 			}
 			const double least = minEnergyShare * *std::max_element(energy.begin(), energy.end());
 			for (std::size_t i = 0; i < problem_.size(); ++i)
@@ -228,14 +264,14 @@ namespace {
 			BodyVector response; // A⁻¹ x just before the change
 		};
 
-		ProximalProblem&         problem_;
-		std::vector<LocalVector> shift_;    // e
-		std::vector<LocalVector> velocity_; // u + (1 − t) e on the path
-		std::vector<LocalVector> rate_;     // its derivative by t
-		BodyVector               direction_, response_;
-		std::vector<Update>      updates_;
-		double                   t_ = 0;
-		PathEnd                  end_;
+		ProximalProblem&       problem_;
+		std::vector<RowValues> shift_;    // e
+		std::vector<RowValues> velocity_; // u + (1 − t) e on the path
+		std::vector<RowValues> rate_;     // its derivative by t
+		BodyVector             direction_, response_;
+		std::vector<Update>    updates_;
+		double                 t_ = 0;
+		PathEnd                end_;
 	};
 
 } // namespace

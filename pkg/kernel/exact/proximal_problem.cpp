@@ -24,10 +24,12 @@ static std::vector<ScaledContact> scaledContacts(
 		const InverseMass&  m2 = problem.inverseMass[c.body2];
 		const Delassus      w  = delassus(c, m1, m2);
 		if (w.nn <= 0) continue;
-		const Vec2 n = c.normal, t = perp(n);
+		const Vec2   n = c.normal, t = perp(n);
+		const double turn = c.rolls() ? c.rollingLength : 0;
 		contacts.push_back({ c.body1, c.body2, scaledRow(n, c.arm1, m1, -1),
 		        scaledRow(t, c.arm1, m1, -1), scaledRow(n, c.arm2, m2, 1),
-		        scaledRow(t, c.arm2, m2, 1), c.friction, c.bias, w.nn,
+		        scaledRow(t, c.arm2, m2, 1), -turn * std::sqrt(m1.rotation),
+		        turn * std::sqrt(m2.rotation), { 0, c.friction, c.rollingFriction }, c.bias, w.nn,
 		        m1.prescribed() || m2.prescribed() ? -1 : 0, c.body1 > c.body2 });
 		origin.push_back(k);
 	}
@@ -53,12 +55,15 @@ static std::vector<BlockLu::Pair> findPairs(std::vector<ScaledContact>& contacts
 }
 
 /// Impulse of the law for a predictor.
-static LocalVector lawOf(LocalVector predictor, double friction)
+static RowValues lawOf(RowValues predictor, const RowValues& friction)
 {
 	if (predictor.n <= 0) return {};
-	const double limit = friction * predictor.n;
-	if (std::abs(predictor.t) <= limit) return predictor;
-	return { predictor.n, std::copysign(limit, predictor.t) };
+	for (const FrictionRow row : frictionRows) {
+		const double limit = friction.*row * predictor.n;
+		if (std::abs(predictor.*row) > limit)
+			predictor.*row = std::copysign(limit, predictor.*row);
+	}
+	return predictor;
 }
 
 /// block += x yᵀ
@@ -69,8 +74,7 @@ static void addProduct(Block& block, const BlockVector& x, const BlockVector& y)
 			block.entry[j][i] += x.entry[i] * y.entry[j];
 }
 
-/// k (a + factor b). With a = n, b = t and the factor sµ: the impulse of a sliding contact per unit
-/// of normal velocity.
+/// k (a + factor b)
 static BlockVector scaledSum(const BlockVector& a, const BlockVector& b, double factor, double k)
 {
 	BlockVector sum;
@@ -119,9 +123,13 @@ void ProximalProblem::setReference(ContactProblem& problem)
 {
 	updateVelocity(problem);
 	for (std::size_t i = 0; i < size(); ++i) {
-		referenceVelocity[i] = rcr::relativeVelocity(problem, problem.points[origin_[i]]);
-		referenceVelocity[i].n += contacts[i].bias;
-		reference[i] = problem.impulse[origin_[i]];
+		const std::size_t   k = origin_[i];
+		const ContactPoint& c = problem.points[k];
+		const LocalVector   u = rcr::relativeVelocity(problem, c), p = problem.impulse[k];
+		const bool          rolls = c.rolls();
+		referenceVelocity[i]      = { u.n + contacts[i].bias, u.t,
+			     rolls ? rollingVelocity(problem, c) : 0 };
+		reference[i]              = { p.n, p.t, rolls ? problem.rollingImpulse[k] : 0 };
 	}
 }
 
@@ -129,7 +137,7 @@ bool ProximalProblem::factor()
 {
 	matrix.setIdentity();
 	for (std::size_t i = 0; i < size(); ++i) {
-		if (pieces[i].kind == Piece::apart) continue;
+		if (!pieces[i].closed) continue;
 		const ScaledContact& c = contacts[i];
 		const auto add = [&](const BlockVector& x1, const BlockVector& x2, const BlockVector& y1,
 		                         const BlockVector& y2) {
@@ -139,14 +147,21 @@ bool ProximalProblem::factor()
 			addProduct(matrix.pairBlock(c.pair, c.flipped), x1, y2);
 			addProduct(matrix.pairBlock(c.pair, !c.flipped), x2, y1);
 		};
-		const double k = stiffness[i], side = pieces[i].side * c.friction; // 0 if it sticks
-		const BlockVector normal1  = scaledSum(c.normal1, c.tangent1, side, k),
-		                  normal2  = scaledSum(c.normal2, c.tangent2, side, k),
-		                  tangent1 = scaledSum(c.tangent1, c.normal1, 0, k),
+		// impulse per unit of normal velocity: n + s µ t + s_r µ_r r; s = 0 if a row sticks
+		const double k = stiffness[i], side = pieces[i].slides.t * c.friction.t,
+		             spin    = k * pieces[i].slides.r * c.friction.r;
+		BlockVector  normal1 = scaledSum(c.normal1, c.tangent1, side, k),
+		             normal2 = scaledSum(c.normal2, c.tangent2, side, k);
+		normal1.entry[2] += spin * c.turn1;
+		normal2.entry[2] += spin * c.turn2;
+		const BlockVector tangent1 = scaledSum(c.tangent1, c.normal1, 0, k),
 		                  tangent2 = scaledSum(c.tangent2, c.normal2, 0, k);
-		const bool        sticks   = pieces[i].kind == Piece::stick;
+		const bool        sticks   = pieces[i].sticks[0];
 		add(normal1, normal2, c.normal1, c.normal2);
 		if (sticks) add(tangent1, tangent2, c.tangent1, c.tangent2);
+		if (pieces[i].sticks[1])
+			add({ { 0, 0, k * c.turn1 } }, { { 0, 0, k * c.turn2 } }, { { 0, 0, c.turn1 } },
+			        { { 0, 0, c.turn2 } });
 		if (cellRows.empty()) continue;
 		const CellRows& cell = cellRows[i];
 		addCellBlocks(i, normal1, normal2, scaledSum(cell.normal, cell.tangent, side, k), c.normal1,
@@ -175,8 +190,11 @@ void ProximalProblem::addCellBlocks(std::size_t contact, const BlockVector& x1,
 
 void ProximalProblem::store(ContactProblem& problem) const
 {
-	for (std::size_t i = 0; i < size(); ++i)
-		problem.impulse[origin_[i]] = lawOf(predictor[i], contacts[i].friction);
+	for (std::size_t i = 0; i < size(); ++i) {
+		const RowValues p           = lawOf(predictor[i], contacts[i].friction);
+		problem.impulse[origin_[i]] = p.local();
+		if (contacts[i].friction.r > 0) problem.rollingImpulse[origin_[i]] = p.r;
+	}
 }
 
 } // namespace rcr

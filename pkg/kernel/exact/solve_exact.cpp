@@ -31,7 +31,7 @@ namespace {
 
 	/// The best impulses so far: those that meet the limits, or with the smallest residual.
 	struct Best : Errors {
-		std::vector<LocalVector> impulse;
+		Impulses impulses;
 
 		void offer(const Best& other, const Settings& settings)
 		{
@@ -135,7 +135,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	std::vector<ProximalParameter> rho(proximal.size(), ProximalParameter(10 * condition));
 	const auto iterate = [&](double estimate) -> Best {
 		return { { residualFromSums(now), creepOf(now, problem.points.size()), estimate },
-			problem.impulse };
+			problem.impulses() };
 	};
 	Best         best      = iterate(report.errorEstimate);
 	Moved        last;
@@ -144,7 +144,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 	                                            : maxPivots;
 	while (!best.meets(settings) && left() > 0) {
 		remember();
-		const std::vector<LocalVector> reference = problem.impulse;
+		const Impulses reference = problem.impulses();
 		const double  softest = softestParameter(rho);
 		const PathEnd end     = proximalStep(problem, proximal, rho,
                         std::min(longestPath, std::max(left() / cost, 2) - 1));
@@ -167,7 +167,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, const Repor
 			if (settings.mayYield() && mustYield()) return report.plusCostOf(swept);
 		}
 	}
-	problem.impulse = best.impulse;
+	problem.setImpulses(best.impulses);
 	updateVelocity(problem);
 	static_cast<Errors&>(report) = best;
 	report.dissipated            = dissipatedEnergy(problem);

@@ -114,6 +114,12 @@ struct ContactPoint {
 	Vec2 freeDrift(Vec2 stretchRate) const { return drift - componentwise(stretchRate, shift); }
 };
 
+/// A solution, or an iterate.
+struct Impulses {
+	std::vector<LocalVector> contact;
+	std::vector<double>      rolling; // empty: no point has rolling resistance
+};
+
 struct ContactProblem {
 	// per body
 	std::vector<InverseMass>  inverseMass;
@@ -133,6 +139,13 @@ struct ContactProblem {
 	Vec2              stretchRate; // its change by contacts; velocities and drifts include it
 	std::vector<Vec2> place;       // per body; may be empty
 
+	Impulses impulses() const { return { impulse, rollingImpulse }; }
+	void     setImpulses(const Impulses& p) { impulse = p.contact, rollingImpulse = p.rolling; }
+	void     clearImpulses()
+	{
+		impulse.assign(points.size(), {});
+		rollingImpulse.assign(rollingImpulse.size(), 0);
+	}
 	/// p_r of a point [N s].
 	double rollingImpulseOf(std::size_t point) const
 	{

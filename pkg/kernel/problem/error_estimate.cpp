@@ -58,20 +58,28 @@ double conditionOf(const ContactProblem& problem, const IslandShape& shape)
 	return weightsOf(problem, shape).factor * shape.condition();
 }
 
-double distanceFrom(const ContactProblem& problem, const std::vector<LocalVector>& before,
-        const IslandShape& shape)
+double distanceFrom(
+        const ContactProblem& problem, const Impulses& before, const IslandShape& shape)
 {
 	const NormWeights           weights = weightsOf(problem, shape);
 	const double                least   = weights.leastResponse;
-	std::vector<LocalVector>    change(before.size());
+	std::vector<LocalVector>    change(before.contact.size());
 	std::vector<PlanarVector>   dv(problem.inverseMass.size());
 	double                      change2 = 0, impulse2 = 0, velocity2 = 0, own2 = 0;
-	for (std::size_t k = 0; k < before.size(); ++k) {
-		change[k]      = problem.impulse[k] - before[k];
-		const double w = delassus(problem, problem.points[k]).nn;
+	for (std::size_t k = 0; k < change.size(); ++k) {
+		const ContactPoint& c = problem.points[k];
+		change[k]             = problem.impulse[k] - before.contact[k];
+		const double w        = delassus(problem, c).nn;
 		if (w < least) continue;
 		change2 += w * square(change[k]);
 		impulse2 += w * square(problem.impulse[k]);
+		if (!c.rolls()) continue;
+		const double rolling = problem.rollingImpulse[k] - before.rolling[k],
+		             wr      = rollingResponse(problem, c);
+		change2 += wr * rolling * rolling;
+		impulse2 += wr * problem.rollingImpulse[k] * problem.rollingImpulse[k];
+		applyRollingImpulse(c, rolling, problem.inverseMass[c.body1], problem.inverseMass[c.body2],
+		        dv[c.body1], dv[c.body2]);
 	}
 	if (impulse2 == 0) return change2 == 0 ? 0 : unknownError;
 	addImpulses(problem, change, dv);

@@ -49,8 +49,8 @@ struct IslandShape {
 	int  points = 0, bodies = 0;
 	int  pairs      = 0;     // of two free bodies
 	int  diameter   = 0;     // longest of the shortest paths from a far body, in pairs
-	bool frictional = false; // µ > 0 at a point
-	bool rolls      = false; // a point has rolling resistance: exact iterations do not know it
+	bool frictional = false; // µ > 0 or µ_r > 0 at a point
+	bool rolls      = false; // a point has rolling resistance
 	bool bends      = false; // a pair of free bodies has two points
 
 	/// Rows, columns and trees: a factorisation has hardly any fill-in, and exact iterations cost
@@ -118,7 +118,6 @@ double conditionOf(const ContactProblem&, const IslandShape&);
 
 /// Distance of the impulses of the problem from `before`, in forces and velocities [-]: the larger
 /// of ‖Δp‖_w/‖p‖_w and ‖Δv‖_M/‖v − v_free‖_M.
-double distanceFrom(
-        const ContactProblem&, const std::vector<LocalVector>& before, const IslandShape&);
+double distanceFrom(const ContactProblem&, const Impulses& before, const IslandShape&);
 
 } // namespace rcr

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "problem/island_problem.hpp"
-#include "problem/refuse.hpp"
 #include "problem/residual.hpp"
 #include "solve/pull_substitution.hpp"
 #include "solve/solve_auto.hpp"
@@ -40,7 +39,7 @@ static Report completeIslands(ContactProblem& problem, const std::string& solver
 			return true;
 		if (island.converged) return false;
 		const bool isSmall = last - first <= smallProblem || island.shape.slim(); // few sweeps
-		return (takesExactSteps(solver, settings, island.shape)
+		return (takesExactSteps(solver, settings)
 		               && (isSmall || island.iterations < settings.maxIterations))
 		        || (settings.mayYield() && mayDiverge(island, settings))
 		        || hasPositiveCost(problem, first, last);
@@ -82,8 +81,6 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 {
 	checkProblem(problem, workspace.team());
 	checkSettings(solver, settings);
-	if (solver == "exact" && rolls(problem))
-		refuse("solver='exact' knows no rolling friction; use 'auto', 'nesterov', 'nlgs' or 'sor'");
 	const PullSubstitution pulled(problem);
 	Report swept = sweepTogether(problem, solver, settings, workspace);
 	if (swept.islands.size() <= 1)

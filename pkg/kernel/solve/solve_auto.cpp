@@ -22,7 +22,7 @@ static int sweepsFor(int exactIterations, int points)
 
 Settings firstSweepsOfAuto(const Settings& settings, const IslandShape& shape)
 {
-	if (settings.tolerance == 0 || shape.rolls) return settings.forGoalOf(shape);
+	if (settings.tolerance == 0) return settings.forGoalOf(shape);
 	Settings sweeps    = settings;
 	sweeps.stallSweeps = sweepsFor(stallIterations, shape.points);
 	if (shape.slim()) {

@@ -12,15 +12,14 @@ constexpr int    sweepsFromZero = 100;  // they replace impulses that would add 
 
 static bool frictionless(const ContactProblem& problem)
 {
-	const auto isFrictionless = [](const ContactPoint& c) { return c.friction == 0; };
+	const auto isFrictionless = [](const ContactPoint& c) { return c.friction == 0 && !c.rolls(); };
 	return std::all_of(problem.points.begin(), problem.points.end(), isFrictionless);
 }
 
 /// Returns true if `auto` runs exact steps as `exact` does.
 static bool isTight(const ContactProblem& problem, const Settings& settings)
 {
-	return settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem)
-	        && !rolls(problem);
+	return settings.tolerance > 0 && settings.tolerance < exactBelow && !frictionless(problem);
 }
 
 Report sweepTogether(ContactProblem& problem, const std::string& solver, const Settings& settings,
@@ -34,9 +33,8 @@ Report sweepTogether(ContactProblem& problem, const std::string& solver, const S
 	return solveNesterov(problem, settings, workspace, firstSweepsOfAuto);
 }
 
-bool takesExactSteps(const std::string& solver, const Settings& settings, const IslandShape& shape)
+bool takesExactSteps(const std::string& solver, const Settings& settings)
 {
-	if (shape.rolls) return false;
 	return solver == "exact" || (solver == "auto" && settings.tolerance > 0);
 }
 
@@ -67,7 +65,7 @@ namespace {
 		}
 		bool takesExactSteps() const
 		{
-			return rcr::takesExactSteps(solver, settings, report.shape);
+			return rcr::takesExactSteps(solver, settings);
 		}
 		void setSolved() { state = report.converged ? State::solved : State::unsolved; }
 		void sweepAgain()
@@ -102,7 +100,7 @@ namespace {
 		if (!island.takesExactSteps() || !std::isnan(island.report.residual)
 		        || island.remaining().maxIterations == 0)
 			return;
-		island.problem.impulse.assign(island.problem.points.size(), {});
+		island.problem.clearImpulses();
 		island.sweepAgain();
 		island.setSolved();
 	}
@@ -173,7 +171,7 @@ namespace {
 		if (hasPositiveCost(problem, points.begin(), points.end())) {
 			Settings sweeps      = island.settings;
 			sweeps.maxIterations = std::max(sweeps.minIterations, sweepsFromZero);
-			problem.impulse.assign(problem.points.size(), {});
+			problem.clearImpulses();
 			island.report = solveNlgs(problem, sweeps, island.workspace).plusCostOf(island.report);
 		}
 		island.state = State::ended;

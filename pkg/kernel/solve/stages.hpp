@@ -11,7 +11,7 @@ namespace rcr {
 Report sweepTogether(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
 
 /// Returns true if exact steps follow the sweeps of an island that has not converged.
-bool takesExactSteps(const std::string& solver, const Settings&, const IslandShape&);
+bool takesExactSteps(const std::string& solver, const Settings&);
 
 /// Completes an island, or a problem of one island, after its sweeps: runs the stages of the table
 /// in stages.cpp that apply to its state. `before`: impulsesBeforeProbe of the island, if known.

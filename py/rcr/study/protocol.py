@@ -209,8 +209,6 @@ def _check_shape(parameters):
         if parameters["rolling_friction"] and value != of:
             raise ValueError(f"rolling_friction = {parameters['rolling_friction']:g} with {name} = "
                              f"{value!r}: expected {name} = {of!r}, or no rolling friction")
-    if parameters["rolling_friction"] and parameters["solver"] == "exact":
-        raise ValueError("rolling_friction with solver = 'exact', which has none; take 'auto'")
 
 
 def _check_combination(parameters):

@@ -6,7 +6,7 @@ import pytest
 from ..contact_problems import (EQUAL, LANES_AND_THREADS, assert_same_bits, errors, frictionless,
                                 grain, pile, square_discs, velocity)
 
-SWEEPERS = "nlgs", "sor", "nesterov", "auto"
+SOLVERS = "nlgs", "sor", "nesterov", "auto", "exact"
 
 
 def rolling(problem, friction=0.1, length=1.0):
@@ -28,7 +28,7 @@ def velocities(problem, impulse, rolled):
     return v
 
 
-@pytest.mark.parametrize("solver", SWEEPERS)
+@pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("make", [lambda: square_discs(1, side=4), lambda: pile(2)])
 def test_laws_hold(solver, make):
     problem = rolling(make())
@@ -73,9 +73,16 @@ def test_resistance_is_warm_started():
     assert warm.solve("nesterov", tolerance=1e-8)["iterations"] <= 10 < cold["iterations"]
 
 
-def test_exact_refuses_rolling_friction():
-    with pytest.raises(ValueError, match="solver='exact' knows no rolling friction"):
-        rolling(square_discs(1, side=4)).solve("exact")
+@pytest.mark.parametrize("friction", [0, 0.02, 0.3, 5])
+def test_exact_iterations_reach_rounding(friction):
+    """In fewer iterations than sweeps alone."""
+    problem = rolling(square_discs(8, side=10), friction)
+    results = [problem.solve(solver, tolerance=1e-13, max_iterations=20_000)
+               for solver in ("exact", "nesterov")]
+    exact, swept = results
+    assert exact["converged"] and exact["residual"] <= 1e-13
+    assert exact["iterations"] < swept["iterations"]
+    assert abs(exact["rolling_impulse"]).max() > 0 or friction == 0
 
 
 @pytest.mark.parametrize("changes, match", [
@@ -91,7 +98,7 @@ def test_wrong_coefficients_are_refused(changes, match):
         problem.copy("wrong", **{k: np.full(count, v) for k, v in changes.items()}).solve()
 
 
-@pytest.mark.parametrize("solver", [*SWEEPERS, "exact"])
+@pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("make", [lambda: square_discs(5, side=5), lambda: frictionless(pile(6))])
 def test_a_pull_lowers_the_free_velocity(solver, make):
     """p + c solves the problem whose free velocity contains −c n."""

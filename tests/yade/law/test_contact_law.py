@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import rcr
+from bodies import open_box
 from scenes import (G, assert_refused, assert_reload_changes_nothing, build, contact_forces,
                     heap, material, set_state, snapshot, solver, springs, steps, weightless)
 from yade import O
@@ -144,6 +145,18 @@ def test_adhesion_closes_the_energy():
     assert O.energy.total() == pytest.approx(total, abs=0.01 * start)
     pulls = [i for i in O.interactions if i.phys.points and i.phys.force1[0] < 0]
     assert pulls and all(i.phys.force1[0] >= -20 * (1 + 1e-9) for i in pulls)
+
+
+def test_steps_of_a_bouncing_heap_converge():
+    """30 grains with rolling resistance: sweeps alone miss a fifth of these steps."""
+    rng, m = np.random.default_rng(1), material(0.4)
+    build(*open_box(1.1, m), *(rcr.particle(
+        (0.15 + 0.2 * (k % 5), 0.12 + 0.22 * (k // 5)), rng.uniform(0.06, 0.09),
+        rng.uniform(0, 0.6), rng.uniform(0, 3), m) for k in range(30)),
+        restitution=0.5, tolerance=1e-4)
+    law(rollingFriction=0.05)
+    steps(1000)
+    assert solver().missedSteps <= 10
 
 
 @pytest.mark.parametrize("arrays", [True, False])

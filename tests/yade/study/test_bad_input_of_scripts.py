@@ -36,7 +36,6 @@ REFUSED = [
         ("--size-span 0.5", "size_span = 0.5; expected a ratio R_max/R_min from 1"),
         ("--shape trimer --rolling-friction 0.1", "expected shape = 'rcr', or no rolling friction"),
         ("--law smooth --rolling-friction 0.1", "expected law = 'cd', or no rolling friction"),
-        ("--solver exact --rolling-friction 0.1", "rolling_friction with solver = 'exact'"),
         ("--rolling-friction -1", "rolling_friction = -1.0; expected a coefficient ≥ 0"),
         ("--resume", "nothing to resume"))),
     *(("chart.py", "--quick " + arguments, message) for arguments, message in (

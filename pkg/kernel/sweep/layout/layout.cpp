@@ -135,7 +135,7 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 	team.forEach(points, [&](std::size_t k) {
 		const ContactPoint& c = problem.points[k];
 		pointKeys_[k] = { c.body1, c.body2, requiredModel(problem, c), c.crossesMovingCell(),
-			c.friction != 0 };
+			c.friction != 0 || c.rolls() };
 	});
 	std::size_t count = 0;
 	bool        same  = true;
