@@ -179,7 +179,7 @@ void addContact(Rows& rows, const Interaction& contact, const std::vector<Grain>
 		found = resultantOf(*ours, rigid ? rigid->force1 : spring ? spring->force1 : none,
 		        rigid ? rigid->force2 : spring ? spring->force2 : none);
 		adhesion = found.points * (rigid ? double(rigid->adhesion) : spring ? adhesionOfSprings : 0);
-		if (rigid) rollingMoment = double(rigid->rollingMoment);
+		rollingMoment = double(rigid ? rigid->rollingMoment : spring ? spring->rollingMoment : Real(0));
 	}
 	const auto* shear    = dynamic_cast<const NormShearPhys*>(phys);
 	const auto* friction = dynamic_cast<const FrictPhys*>(phys);

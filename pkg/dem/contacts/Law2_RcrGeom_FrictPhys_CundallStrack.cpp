@@ -20,6 +20,9 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_Cunda
 	if (!(adhesion >= 0 && math::isfinite(adhesion)))
 		rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.adhesion = ", errors::text(adhesion),
 		        "; expected a pull of 0 N (none) or more.");
+	if (!(rollingFriction >= 0 && math::isfinite(rollingFriction)))
+		rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.rollingFriction = ",
+		        errors::text(rollingFriction), "; expected a coefficient of 0 (none) or more.");
 }
 
 /// Inverse mass of a body or its clump; 0 if its motion is prescribed.
@@ -125,7 +128,8 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 	const double        dashpot  = damping > 0 && inverse > 0
 	               ? 2 * double(damping) * std::sqrt(double(phys.kn) / inverse)
 	               : 0;
-	rcr::Vec2 shift, drift; // of the image of body 2
+	const rcr::PlanarVector v1 = plane::velocityOf(state1), v2 = plane::velocityOf(state2);
+	rcr::Vec2               shift, drift; // of the image of body 2
 	if (scene->isPeriodic) {
 		shift = plane::toPlane(scene->cell->intrShiftPos(interaction->cellDist));
 		drift = plane::toPlane(scene->cell->intrShiftVel(interaction->cellDist));
@@ -145,8 +149,7 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 		point.arm1   = at.position - plane::toPlane(state1.pos);
 		point.arm2   = at.position - (plane::toPlane(state2.pos) + shift);
 		point.drift  = drift;
-		const rcr::LocalVector u = relativeVelocity(
-		        point, plane::velocityOf(state1), plane::velocityOf(state2));
+		const rcr::LocalVector u = relativeVelocity(point, v1, v2);
 		const bool       fades = k == fading.point;
 		rcr::LocalVector f     = pointForce(
 		            phys, dashpot, -at.gap, fades ? fading.weight : 1, u, double(force[1]));
@@ -159,6 +162,9 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 		shearForce               = shearForce + f.t * perp(at.normal);
 		applyImpulse(point, f, { 1, 1, 1 }, { 1, 1, 1 }, onBody1, onBody2);
 	}
+	phys.rollingMoment = rollingMoment(geom, phys, v2.rotation - v1.rotation, double(phys.force1[0]));
+	onBody1.rotation -= double(phys.rollingMoment);
+	onBody2.rotation += double(phys.rollingMoment);
 	watchOverlap(geom, phys, *interaction);
 	phys.normalForce = plane::toSpace(normalForce);
 	phys.shearForce  = plane::toSpace(shearForce);
@@ -185,6 +191,29 @@ rcr::LocalVector Law2_RcrGeom_FrictPhys_CundallStrack::pointForce(const FrictPhy
 		scene->energy->add((kn * overlap - n) * u.n * dt, "viscDissip", viscousIx, false);
 	}
 	return { n - pull, t };
+}
+
+/// Moment on body 2 at this relative spin [1/s]. A contact that gains a second point, or opens,
+/// loses its moment.
+Real Law2_RcrGeom_FrictPhys_CundallStrack::rollingMoment(
+        const RcrGeom& geom, const RcrFrictPhys& phys, double spin, double normalForce)
+{
+	if (rollingFriction == 0 && phys.rollingMoment == 0) return 0;
+	const bool   obstacle  = geom.type == int(rcr::ContactType::obstacle);
+	const bool   resists   = geom.points == 1 && geom.gap[0] < 0;
+	const double radius    = double(std::min(geom.refR1, geom.refR2)),
+	             length    = double(obstacle ? geom.refR2 : geom.refR1 + geom.refR2),
+	             stiffness = double(phys.ks) * radius * radius,
+	             before    = double(phys.rollingMoment),
+	             limit  = resists ? double(rollingFriction) * length * (normalForce + double(adhesion)) : 0,
+	             free   = before - stiffness * spin * double(scene->dt),
+	             moment = std::max(-limit, std::min(free, limit));
+	if (!scene->trackEnergy || stiffness == 0) return moment;
+	const double lost = resists ? moment * (free - moment) : 0.5 * before * before;
+	scene->energy->add(
+	        0.5 * moment * moment / stiffness, "elastPotential", elasticIx, /*reset every step*/ true);
+	scene->energy->add(lost / stiffness, "plastDissip", plasticIx, false);
+	return moment;
 }
 
 /// Applies the force of a contact. Enters its work on prescribed motion into O.energy; it is

@@ -374,3 +374,62 @@ def test_the_drive_of_springs_is_booked(clumped):
         O.step()
     O.run(20, True)
     assert O.energy["driveWork"] == pytest.approx(-0.5 * O.bodies[0].state.mass * 0.2**2, rel=0.02)
+
+
+def rolling_disc(angle, rolling_friction, **options):
+    """A disc on an incline of this angle [rad] under springs with rolling resistance; its state."""
+    disc = on_floor(0, height=0.1, gravity=(G * math.sin(angle), -G * math.cos(angle), 0),
+                    damping=0.3, **options)
+    O.engines[2].lawDispatcher.functors[0].rollingFriction = rolling_friction
+    return O.bodies[disc].state
+
+
+@pytest.mark.parametrize("rolling_friction", [0.05, 0.2])
+def test_a_disc_rolls_down_an_incline(rolling_friction):
+    """a = (2/3) g (sin α − µ_r cos α), as under rigid contacts."""
+    angle = 0.3
+    disc = rolling_disc(angle, rolling_friction)
+    expected = 2 / 3 * G * (math.sin(angle) - rolling_friction * math.cos(angle))
+    O.run(int(0.05 / O.dt), True)
+    speed, time = disc.vel[0], O.time
+    O.run(int(1 / O.dt), True)
+    # the undamped slider swings by 7 mm/s
+    assert (disc.vel[0] - speed) / (O.time - time) == pytest.approx(expected, abs=0.014)
+    assert -disc.angVel[2] * 0.1 == pytest.approx(disc.vel[0], abs=0.014)
+    (contact,) = O.interactions
+    bound = rolling_friction * 0.1 * contact.phys.force1[0]
+    assert abs(contact.phys.rollingMoment) == pytest.approx(bound, rel=1e-9)
+
+
+def test_a_disc_rests_on_an_incline():
+    """Its moment is W R sin α for tan α < µ_r. Without a dashpot it swings about it."""
+    angle = 0.15
+    disc = rolling_disc(angle, 0.2, local_damping=0.3)
+    O.run(int(1 / O.dt), True)
+    (contact,) = O.interactions
+    assert disc.vel.norm() < 1e-5
+    expected = disc.mass * G * 0.1 * math.sin(angle)
+    assert abs(contact.phys.rollingMoment) == pytest.approx(expected, rel=2e-3)
+    network = rcr.contact_network()
+    assert abs(network.contacts["rolling_moment"][0]) == pytest.approx(expected, rel=2e-3)
+
+
+def test_rolling_resistance_closes_the_energy():
+    """Discs and rods that fall into a heap, with contacts of one point and of two."""
+    m, rng = springy(0.4), np.random.default_rng(2)
+    grains = [rcr.particle((0.22 * (k % 4), 0.12 + 0.22 * (k // 4)), 0.1, 0.3 * (k % 2),
+                           rng.uniform(0, 3), m) for k in range(16)]
+    build(rcr.wall("y", 0, material=m), *grains, law="smooth", damping=0.2, rollingFriction=0.2)
+    O.dt = 0.05 * rcr.critical_time_step()
+    O.trackEnergy = True
+    O.step()
+    height = lambda: sum(b.state.mass * G * b.state.pos[1] for b in grains)
+    start, before = O.energy.total(), height()
+    O.run(int(0.6 / O.dt), True)
+    assert any(i.phys.rollingMoment for i in O.interactions if i.isReal)
+    assert O.energy.total() == pytest.approx(start, abs=0.01 * (before - height()))
+
+
+def test_a_rolling_coefficient_below_zero_is_refused():
+    refused("rollingFriction = -0.1; expected a coefficient of 0",
+            rcr.Law2_RcrGeom_FrictPhys_CundallStrack, rollingFriction=-0.1)
