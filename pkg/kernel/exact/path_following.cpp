@@ -99,11 +99,12 @@ namespace {
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
 				const Piece& piece = problem_.pieces[i];
 				if (!piece.closed) continue;
-				const RowValues e = shift_[i], mu = problem_.contacts[i].friction;
-				RowValues       stiff = e;
-				if (!piece.sticks[0]) stiff.t = piece.slides.t * mu.t * e.n;
-				if (!piece.sticks[1]) stiff.r = piece.slides.r * mu.r * e.n;
-				problem_.applyImpulse(i, problem_.stiffness[i] * stiff, direction_);
+				const double    k = problem_.stiffness[i];
+				const RowValues mu = problem_.contacts[i].friction, e = shift_[i];
+				RowValues       p  = k * e;
+				if (!piece.sticks[0]) p.t = piece.slides.t * mu.t * k * e.n;
+				if (!piece.sticks[1]) p.r = piece.slides.r * mu.r * k * e.n;
+				problem_.applyImpulse(i, p, direction_);
 			}
 			problem_.matrix.solve(direction_);
 			for (std::size_t i = 0; i < problem_.size(); ++i)
@@ -185,9 +186,9 @@ namespace {
 			std::fill(response_.begin(), response_.end(), BlockVector {});
 			problem_.applyImpulse(change.contact, change.column, response_);
 			applyInverse(response_);
-			// ratio of the determinants
-			const double delta
-			        = 1 + dot(change.row, problem_.relativeVelocity(change.contact, response_));
+			const RowValues      r      = problem_.relativeVelocity(change.contact, response_);
+			const double         delta  = 1 + change.row.n * r.n + change.row.t * r.t
+			        + change.row.r * r.r; // ratio of the determinants
 			if (!(delta > 0)) {
 				findUnstable();
 				return false;
