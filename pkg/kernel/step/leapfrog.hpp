@@ -113,11 +113,11 @@ inline bool isDriven(const InverseMass& mass, const PlanarVector& v)
 }
 
 /// After beginStep: sets the velocity of the step before along prescribed axes of a body that was
-/// driven then. In a periodic cell, such bodies keep their present one.
+/// driven then. While a periodic cell moves, such bodies keep their present one.
 inline void setDriveBefore(Step& step, std::size_t id, const PlanarVector& before)
 {
 	const InverseMass& mass = step.problem.inverseMass[id];
-	if (step.cell.periodic || !isDriven(mass, before)) return;
+	if (step.cell.flows() || !isDriven(mass, before)) return;
 	PlanarVector&      v    = step.bodies[id].velocityBefore;
 	if (mass.x == 0) v.x = before.x;
 	if (mass.y == 0) v.y = before.y;

@@ -314,6 +314,23 @@ def test_a_shaken_wall_bears_what_rests_on_it(restitution, together):
                 mass * G * (1 + 0.5 * np.cos(omega * times).mean()), rel=0.03)
 
 
+@pytest.mark.parametrize("arrays", [False, True])
+@pytest.mark.parametrize("cell", [None, 3])
+def test_a_shaken_grain_bears_a_disc_in_a_cell_too(cell, arrays):
+    omega, m = 2 * math.pi * 5, material()
+    shaken = w.HarmonicMotionEngine(ids=[0], A=(0, 0.5 * G / omega**2, 0), f=(0, 5, 0),
+                                    fi=(0, math.pi, 0))
+    _, disc = build(rcr.particle((1, 1), 0.3, 0.5, fixed=True, material=m),
+                    rcr.disc((1, 1.25), 0.1, m), cell=cell, before=[shaken], restitution=0.9,
+                    **EXACT | dict(observe=[1], arrays=arrays))
+    O.run(1, True)
+    solver().observed()
+    O.run(150, True)
+    force = solver().observed()["forces"][disc][1]
+    mean = 1 + 0.5 * np.cos(omega * O.dt * np.arange(1, 151)).mean()
+    assert force == pytest.approx(O.bodies[disc].state.mass * G * mean, rel=0.03)
+
+
 def test_a_drive_that_starts_hits_what_it_touches_in_arrays_too():
     """Its velocity is 0 in the first step."""
     ends = []
