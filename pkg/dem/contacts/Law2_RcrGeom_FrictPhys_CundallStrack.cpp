@@ -150,9 +150,9 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 		point.arm2   = at.position - (plane::toPlane(state2.pos) + shift);
 		point.drift  = drift;
 		const rcr::LocalVector u = relativeVelocity(point, v1, v2);
-		const bool       fades = k == fading.point;
-		rcr::LocalVector f     = pointForce(
-		            phys, dashpot, -at.gap, fades ? fading.weight : 1, u, double(force[1]));
+		const bool             fades  = k == fading.point;
+		const double           weight = fades ? fading.weight : 1;
+		rcr::LocalVector       f = pointForce(phys, dashpot, -at.gap, weight, u, double(force[1]));
 		if (fades) {
 			phys.edge[k] = fading.edgeForce(double(phys.kn), double(adhesion), -at.gap);
 			f.t += double(phys.edge[k]);

@@ -30,13 +30,10 @@ void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr
 rcr::Manifold RcrGeom::manifold() const
 {
 	const auto vector = [](const Vector2r& v) { return rcr::Vec2 { double(v[0]), double(v[1]) }; };
-	return { points,
-		 rcr::ContactType(type),
-		 { { vector(position1), vector(normal1), double(gap[0]) },
-		   { vector(position2), vector(normal2), double(gap[1]) } },
-		 double(shadow),
-		 slide,
-		 double(slope) };
+	return { points, rcr::ContactType(type),
+		{ { vector(position1), vector(normal1), double(gap[0]) },
+		        { vector(position2), vector(normal2), double(gap[1]) } },
+		double(shadow), slide, double(slope) };
 }
 
 /// An empty manifold creates nothing; where there was a contact, the Law2 erases it.
