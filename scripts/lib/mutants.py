@@ -34,7 +34,7 @@ TABLE = {
         ("wall-of-one-cap", "if (s.halfLength == 0) break;\n\t}\n\tif (result.count",
          "break;\n\t}\n\tif (result.count"),
         ("shadow-slides-back", "(along > 0) == ofOne ? 1 : -1", "(along > 0) == ofOne ? -1 : 1"),
-        ("shadow-always-slides", "if (first.side == second.side)", "if (false)"),
+        ("shadow-always-slides", "if (first.side != second.side)", "if (true)"),
     ],
     "geometry/shadow_overlap.hpp": [
         ("distance-without-gap", "+ s2.capRadius + maxGap,", "+ s2.capRadius,"),

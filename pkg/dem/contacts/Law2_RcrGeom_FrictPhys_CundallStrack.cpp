@@ -2,6 +2,7 @@
 
 #include "dem/errors/deferredError.hpp"
 #include "dem/errors/messages.hpp"
+#include "kernel/problem/coulomb.hpp"
 
 namespace yade {
 
@@ -182,7 +183,7 @@ rcr::LocalVector Law2_RcrGeom_FrictPhys_CundallStrack::pointForce(const FrictPhy
 	             mu = double(phys.tangensOfFrictionAngle), pull = weight * double(adhesion);
 	const double n    = std::max(0.0, kn * overlap - dashpot * u.n);
 	const double free = tangential - ks * u.t * dt;
-	const double t    = std::max(-mu * n, std::min(free, mu * n));
+	const double t    = rcr::clampTo(free, mu * n);
 	if (scene->trackEnergy) {
 		const double stored = (0.5 * kn * overlap - pull) * overlap + (ks > 0 ? 0.5 * t * t / ks : 0);
 		const double slip   = ks > 0 ? (free - t) / ks : -u.t * dt; // of the slider
@@ -202,12 +203,12 @@ Real Law2_RcrGeom_FrictPhys_CundallStrack::rollingMoment(
 	const bool   obstacle  = geom.type == int(rcr::ContactType::obstacle);
 	const bool   resists   = geom.points == 1 && geom.gap[0] < 0;
 	const double radius    = double(std::min(geom.refR1, geom.refR2)),
-	             length    = double(obstacle ? geom.refR2 : geom.refR1 + geom.refR2),
+	             length    = rcr::rollingLength(double(geom.refR1 + geom.refR2), obstacle),
 	             stiffness = double(phys.ks) * radius * radius,
 	             before    = double(phys.rollingMoment),
-	             limit  = resists ? double(rollingFriction) * length * (normalForce + double(adhesion)) : 0,
-	             free   = before - stiffness * spin * double(scene->dt),
-	             moment = std::max(-limit, std::min(free, limit));
+	             bearing   = resists ? normalForce + double(adhesion) : 0,
+	             free      = before - stiffness * spin * double(scene->dt),
+	             moment    = rcr::clampTo(free, double(rollingFriction) * length * bearing);
 	if (!scene->trackEnergy || stiffness == 0) return moment;
 	const double lost = resists ? moment * (free - moment) : 0.5 * before * before;
 	scene->energy->add(

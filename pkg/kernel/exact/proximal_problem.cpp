@@ -58,11 +58,8 @@ static std::vector<BlockLu::Pair> findPairs(std::vector<ScaledContact>& contacts
 static RowValues lawOf(RowValues predictor, const RowValues& friction)
 {
 	if (predictor.n <= 0) return {};
-	for (const FrictionRow row : frictionRows) {
-		const double limit = friction.*row * predictor.n;
-		if (std::abs(predictor.*row) > limit)
-			predictor.*row = std::copysign(limit, predictor.*row);
-	}
+	for (const FrictionRow row : frictionRows)
+		predictor.*row = clampTo(predictor.*row, friction.*row * predictor.n);
 	return predictor;
 }
 
@@ -126,10 +123,8 @@ void ProximalProblem::setReference(ContactProblem& problem)
 		const std::size_t   k = origin_[i];
 		const ContactPoint& c = problem.points[k];
 		const LocalVector   u = rcr::relativeVelocity(problem, c), p = problem.impulse[k];
-		const bool          rolls = c.rolls();
-		referenceVelocity[i]      = { u.n + contacts[i].bias, u.t,
-			     rolls ? rollingVelocity(problem, c) : 0 };
-		reference[i]              = { p.n, p.t, rolls ? problem.rollingImpulse[k] : 0 };
+		referenceVelocity[i] = { u.n + contacts[i].bias, u.t, rollingVelocity(problem, c) };
+		reference[i]         = { p.n, p.t, problem.rollingImpulseOf(k) };
 	}
 }
 

@@ -65,8 +65,8 @@ struct CellRows {
 
 struct Piece {
 	bool      closed = false;
-	RowValues slides;              // s of the rows that slide
-	bool      sticks[2] = {};      // of each friction row
+	RowValues slides;         // s of the rows that slide
+	bool      sticks[2] = {}; // of each friction row
 
 	bool anySticks() const { return sticks[0] || sticks[1]; }
 };

@@ -93,10 +93,11 @@ inline double contactSize(const PlanarShape& one, const PlanarShape& two)
 }
 
 /// Length that turns the moment of rolling resistance into an impulse: R₁ + R₂, or the R of a grain
-/// at an obstacle [m].
+/// at an obstacle [m]. `size`: contactSize.
+inline double rollingLength(double size, bool atObstacle) { return (atObstacle ? 0.5 : 1) * size; }
 inline double rollingLength(const PlanarShape& one, const PlanarShape& two)
 {
-	return (one.grain() && two.grain() ? 1 : 0.5) * contactSize(one, two);
+	return rollingLength(contactSize(one, two), !(one.grain() && two.grain()));
 }
 
 /// Returns true if shapes of these kinds may be body 1 and body 2 of a pair.

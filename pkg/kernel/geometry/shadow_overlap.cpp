@@ -69,9 +69,7 @@ namespace {
 		             end   = ofOne ? second.core1 : second.core2;
 		const double along = dot(end - from, perp(second.normal));
 		result.shadow      = std::abs(along);
-		if (first.side == second.side)
-			result.slide = 0; // `from` moves with `end`
-		else
+		if (first.side != second.side) // else `from` moves with `end`
 			result.slide = (along > 0) == ofOne ? 1 : -1;
 	}
 
@@ -86,7 +84,8 @@ namespace {
 		result.count     = 1;
 		result.type      = closest.side ? ContactType::capSide : ContactType::capCap;
 
-		const ManifoldPoint& first = result.points[0];
+		const ManifoldPoint& first  = result.points[0];
+		const Facing*        second = nullptr;
 		double farthest = 1e-9 * (radius1 + radius2); // closer points are the same point
 		for (int k = 0; k < count; ++k) {
 			if (!facing[k].side || dot(facing[k].normal, first.normal) <= 0) continue;
@@ -97,8 +96,9 @@ namespace {
 			result.points[1] = other;
 			result.count     = 2;
 			result.type      = ContactType::sideSide;
-			setShadow(result, closest, facing[k]);
+			second           = &facing[k];
 		}
+		if (second) setShadow(result, closest, *second);
 		result.sortAlong(axis);
 		return result;
 	}

@@ -189,13 +189,6 @@ struct ContactProblem {
 	}
 };
 
-/// Returns true if a point has rolling resistance.
-inline bool rolls(const ContactProblem& problem)
-{
-	return std::any_of(problem.points.begin(), problem.points.end(),
-	        [](const ContactPoint& c) { return c.rolls(); });
-}
-
 /// Largest speed of driven motion at a contact point, of bodies and of periodic images [m/s].
 double drivenSpeed(const ContactProblem&);
 

@@ -77,9 +77,8 @@ def test_resistance_is_warm_started():
 def test_exact_iterations_reach_rounding(friction):
     """In fewer iterations than sweeps alone."""
     problem = rolling(square_discs(8, side=10), friction)
-    results = [problem.solve(solver, tolerance=1e-13, max_iterations=20_000)
-               for solver in ("exact", "nesterov")]
-    exact, swept = results
+    exact, swept = (problem.solve(solver, tolerance=1e-13, max_iterations=20_000)
+                    for solver in ("exact", "nesterov"))
     assert exact["converged"] and exact["residual"] <= 1e-13
     assert exact["iterations"] < swept["iterations"]
     assert abs(exact["rolling_impulse"]).max() > 0 or friction == 0

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 import rcr
-from bodies import open_box
 from scenes import (G, assert_refused, assert_reload_changes_nothing, build, contact_forces,
-                    heap, material, set_state, snapshot, solver, springs, steps, weightless)
+                    heap, material, open_box, set_state, snapshot, solver, springs, steps, weightless)
 from yade import O
 from yade.wrapper import MatchMaker
 
