@@ -238,7 +238,8 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::
 	if (work != 0) scene->energy->add(work, "driveWork", driveIx, false);
 }
 
-/// Counts contacts that overlap by more than a tenth of the smaller cap radius and 0.02 (R₁ + R₂). The first one prints a warning.
+/// Counts contacts that overlap by more than a tenth of the smaller cap radius and 0.02 (R₁ + R₂).
+/// The first one prints a warning.
 void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(
         const RcrGeom& geom, const FrictPhys& phys, const Interaction& contact)
 {

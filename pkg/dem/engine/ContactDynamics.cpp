@@ -91,7 +91,7 @@ void ContactDynamics::storeDrives()
 {
 	drivenBodies.clear(), drivenVelocities.clear();
 	for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
-		const rcr::PlanarVector& v = step_.bodies[id].velocity;
+		const rcr::PlanarVector v = step_.initialVelocity(int(id));
 		if (rcr::isDriven(step_.problem.inverseMass[id], v)) {
 			drivenBodies.push_back(int(id));
 			drivenVelocities.push_back({ v.x, v.y, v.rotation });

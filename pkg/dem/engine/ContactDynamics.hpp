@@ -10,10 +10,10 @@
 //   gather → solveStep → monitor → observe → scatter
 //
 // `gather` copies bodies, loads and contacts, with the last forces as initial impulses. solveStep
-// (kernel/passes) finds impulses and shifts that remove overlaps. `monitor` counts the step, or throws at a
-// jam. In O.run, ArraySteps takes up to 100 steps between gather and scatter. `scatter` adds forces
-// p/dt and shifts to YADE's bodies; NewtonIntegrator moves them. Source: Moreau 1988, 1999; Jean
-// 1999.
+// (kernel/passes) finds impulses and shifts that remove overlaps. `monitor` counts the step, or
+// throws at a jam. In O.run, ArraySteps takes up to 100 steps between gather and scatter. `scatter`
+// adds forces p/dt and shifts to YADE's bodies; NewtonIntegrator moves them. Source: Moreau 1988,
+// 1999; Jean 1999.
 #pragma once
 
 #include <thread>

@@ -47,9 +47,9 @@ public:
 /// Calls Python, so it takes the GIL.
 void checkFinite(const rcr::Step&, long iteration);
 
-/// Call it for unconverged steps with large displacements. Throws std::runtime_error if contacts have added
-/// more energy than T(v⁻) + T(v_free). These are the kinetic energies before the step and at its
-/// end without contacts. Steps with driven bodies are exempt.
+/// Call it for unconverged steps with large displacements. Throws std::runtime_error if contacts
+/// have added more energy than T(v⁻) + T(v_free). These are the kinetic energies before the step and
+/// at its end without contacts. Steps with driven bodies are exempt.
 void checkEnergy(const rcr::Step&, long iteration);
 
 /// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step, or

@@ -121,10 +121,10 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	if (!active_) begin(scene, team, handles, step);
 	pairs_.store(step, team, scene.iter);
 	++count_;
-	move(scene, engines, team, handles, impulses, step);
 	std::vector<rcr::PlanarVector> before;
 	for (Body::id_t id : synced_)
-		before.push_back(step.bodies[id].velocity);
+		before.push_back(step.initialVelocity(id));
+	move(scene, engines, team, handles, impulses, step);
 	const auto regather = [&] {
 		regatherBodies(scene, engines, team, synced_, handles, step);
 		for (std::size_t k = 0; k < synced_.size(); ++k)

@@ -24,7 +24,10 @@ struct Core {
 	Vec2 vertex(int k) const { return { x[k], y[k] }; }
 	Vec2 along(int side) const { return { alongX[side], alongY[side] }; }
 	void setVertex(int k, Vec2 v) { x[k] = v.x, y[k] = v.y; }
-	void setSide(int k, Vec2 unit, double size) { alongX[k] = unit.x, alongY[k] = unit.y, length[k] = size; }
+	void setSide(int k, Vec2 unit, double size)
+	{
+		alongX[k] = unit.x, alongY[k] = unit.y, length[k] = size;
+	}
 };
 
 /// Core of the polygon at a pose, relative to `origin`.

@@ -112,16 +112,19 @@ inline bool isDriven(const InverseMass& mass, const PlanarVector& v)
 	        || (mass.rotation == 0 && v.rotation != 0);
 }
 
-/// After beginStep: sets the velocity of the step before along prescribed axes of a body that was
-/// driven then. While a periodic cell moves, such bodies keep their present one.
+/// After beginStep: prescribed axes of a body that was driven in the step before get the velocity
+/// for impacts that they would have without the acceleration of the drive. `before`: its
+/// Step::initialVelocity in that step.
 inline void setDriveBefore(Step& step, std::size_t id, const PlanarVector& before)
 {
 	const InverseMass& mass = step.problem.inverseMass[id];
-	if (step.cell.flows() || !isDriven(mass, before)) return;
-	PlanarVector&      v    = step.bodies[id].velocityBefore;
-	if (mass.x == 0) v.x = before.x;
-	if (mass.y == 0) v.y = before.y;
-	if (mass.rotation == 0) v.rotation = before.rotation;
+	if (!isDriven(mass, before)) return;
+	StepBody&          body  = step.bodies[id];
+	PlanarVector&      v     = body.velocityBefore;
+	const PlanarVector drive = before + step.cell.change.at(body.center);
+	if (mass.x == 0) v.x = drive.x;
+	if (mass.y == 0) v.y = drive.y;
+	if (mass.rotation == 0) v.rotation = drive.rotation;
 }
 
 } // namespace rcr

@@ -2,8 +2,8 @@
 //
 // pkg/README.md lists the stages. Those between gather and scatter move bodies and contacts in these
 // arrays alone, so an error in them moves nothing in the simulation. They call the simulation to
-// filter new contacts and to obtain their coefficients. Bodies have the same numbers as
-// in the simulation. A contact stores these numbers. A point stores the bodies that its impulse moves, for
+// filter new contacts and to obtain their coefficients. Bodies have the same numbers as in the
+// simulation. A contact stores these numbers. A point stores the bodies that its impulse moves, for
 // a clump member its clump.
 //
 // | symbol | field         | unit | meaning                                               |
@@ -153,14 +153,6 @@ struct PeriodicCell {
 	// what the cell adds to velocities: the change of its flow, and the flow that convects them
 	Flow   change, convection;
 
-	/// Returns true if it moves in this step or moved in the last one.
-	bool flows() const
-	{
-		for (const auto& flow : { gradient, change.gradient, convection.gradient })
-			for (int i : { 0, 1 })
-				if (flow[i][0] != 0 || flow[i][1] != 0) return true;
-		return false;
-	}
 	/// Returns true if a prescribed component of its motion is not zero. `inverseMass`: of
 	/// stretching along each axis; 0: prescribed.
 	bool driven(Vec2 inverseMass) const

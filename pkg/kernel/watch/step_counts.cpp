@@ -55,9 +55,9 @@ std::string StepCounts::message() const
 		     << " bodies moved into each other by more than a cap radius on their paths, and may "
 		        "have passed through each other. Take a smaller O.dt.";
 	if (yielded > 0)
-		text << (intruded > 0 ? " " : "") << "Forces of the steps without a solution are those of yielding contacts: leave "
-		        "these steps out of averages. "
-		     << "Slow down or reverse what is driven, or press by a force.";
+		text << (intruded > 0 ? " " : "")
+		     << "Forces of the steps without a solution are those of yielding contacts: leave these "
+		        "steps out of averages. Slow down or reverse what is driven, or press by a force.";
 	else if (intruded == 0)
 		text << "Positions are wrong to that extent. Place bodies apart at the start, take a "
 		        "smaller O.dt or more maxIterations.";

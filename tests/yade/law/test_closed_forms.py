@@ -7,8 +7,8 @@ import pytest
 import rcr
 from rcr import _kernel
 from scenes import (EXACT, G, assert_reload_changes_nothing, box, build, grain_on_floor, inertia,
-                    material, open_box, pile, point_forces, solver, stadium, steps, tilted,
-                    velocity)
+                    material, open_box, pile, plane, point_forces, solver, stadium, steps,
+                    tilted, velocity)
 from yade import O
 from yade import wrapper as w
 
@@ -315,14 +315,17 @@ def test_a_shaken_wall_bears_what_rests_on_it(restitution, together):
 
 
 @pytest.mark.parametrize("arrays", [False, True])
-@pytest.mark.parametrize("cell", [None, 3])
-def test_a_shaken_grain_bears_a_disc_in_a_cell_too(cell, arrays):
+@pytest.mark.parametrize("cell, rate", [(None, 0), (3, 0), (3, 0.05)])
+def test_a_shaken_grain_bears_a_disc_in_a_cell_too(cell, rate, arrays):
+    """Also in a cell that stretches along x at `rate` [1/s]."""
     omega, m = 2 * math.pi * 5, material()
     shaken = w.HarmonicMotionEngine(ids=[0], A=(0, 0.5 * G / omega**2, 0), f=(0, 5, 0),
                                     fi=(0, math.pi, 0))
-    _, disc = build(rcr.particle((1, 1), 0.3, 0.5, fixed=True, material=m),
-                    rcr.disc((1, 1.25), 0.1, m), cell=cell, before=[shaken], restitution=0.9,
+    _, disc = build(rcr.particle((0, 1), 0.3, 0.5, fixed=True, material=m),
+                    rcr.disc((0, 1.25), 0.1, m), cell=cell, before=[shaken], restitution=0.9,
                     **EXACT | dict(observe=[1], arrays=arrays))
+    if rate:
+        O.cell.velGrad = plane(rate, 0, 0, 0)
     weight = O.bodies[disc].state.mass * G
     for k in range(150):
         O.run(1, True)
@@ -332,13 +335,19 @@ def test_a_shaken_grain_bears_a_disc_in_a_cell_too(cell, arrays):
             assert force == pytest.approx(expected, rel=0.03)
 
 
-def test_a_drive_that_starts_hits_what_it_touches_in_arrays_too():
-    """Its velocity is 0 in the first step."""
+@pytest.mark.parametrize("flow", [None, (0.2, 0.1, 0, -0.1)])
+def test_a_drive_that_starts_hits_what_it_touches_in_arrays_too(flow):
+    """Its velocity is 0 in the first step. `flow`: velocity gradient of a periodic cell [1/s]."""
     ends = []
     for arrays in False, True:
         shaken = w.HarmonicMotionEngine(ids=[0], A=(0, 0.001, 0), f=(0, 10, 0), fi=(0, math.pi, 0))
-        _, disc = build(rcr.wall("y", 0, +1), rcr.disc((0, 0.1), 0.1, material()), before=[shaken],
-                        restitution=0.8, **EXACT | dict(arrays=arrays))
+        floor = (rcr.particle((1, 1), 0.5, 0.8, fixed=True, material=material()) if flow else
+                 rcr.wall("y", 0, +1))
+        _, disc = build(floor, rcr.disc((1, 1.2) if flow else (0, 0.1), 0.1, material()),
+                        before=[shaken], restitution=0.8, cell=3 if flow else None,
+                        **EXACT | dict(arrays=arrays))
+        if flow:
+            O.cell.velGrad = plane(*flow)
         O.run(20, True)
         ends.append((*O.bodies[disc].state.pos, *O.bodies[disc].state.vel))
     assert ends[0] == ends[1]

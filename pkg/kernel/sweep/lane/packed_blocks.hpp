@@ -1,9 +1,9 @@
 // Memory layout of the packed contact problem, and the kernels that work on it.
 //
 // A block holds sixteen pairs of bodies that share no free body, so sixteen lanes may solve them at
-// once. Sixteen doubles are two AVX-512 registers. The point solution is a long chain of operations, and
-// the second register fills the waits of the first. A pair has one or two contact points. An empty
-// slot holds zeros, which change nothing.
+// once. Sixteen doubles are two AVX-512 registers. The point solution is a long chain of operations,
+// and the second register fills the waits of the first. A pair has one or two contact points. An
+// empty slot holds zeros, which change nothing.
 //
 // The sweep solves a pair with the cheapest sufficient model:
 //
