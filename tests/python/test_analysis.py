@@ -174,6 +174,11 @@ def test_drift_of_the_fabric():
     expected = 0.3 * np.sqrt(2 / 2000) / np.sqrt(14 * np.var(strains))
     assert found["a_c_drift_error"] == pytest.approx(expected, rel=0.5)
     assert found["a_c_drift"] == pytest.approx(0.3, abs=4 * found["a_c_drift_error"])
+    seeds = [run(0.1 * k, k + 1) for k in range(3)]
+    slopes = [xi_networks.drift([seed], None, None)["a_c_drift"] for seed in seeds]
+    found = xi_networks.drift(seeds, None, None)
+    assert found["a_c_drift"] == pytest.approx(np.mean(slopes))
+    assert found["a_c_drift_error"] == pytest.approx(np.std(slopes, ddof=1) / np.sqrt(3))
     short = run(0.0, 1)
     short.networks = short.networks[:2]
     assert np.isnan(xi_networks.drift([short], None, None)["a_c_drift"])

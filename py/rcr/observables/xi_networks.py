@@ -16,6 +16,7 @@ from rcr._pictures.curves import (add_letters, column, legend_outside, marker, o
                                   plot_xi)
 from rcr._pictures.drawing import COLUMN, PAGE
 from rcr._pictures.polar import plot_contact_directions, plot_vector_directions, row_near
+from rcr.observables.packings import SEEDS
 from rcr.observables.registry import register
 
 _CURVES = "Each colour is an elongation η; bands and bars are one standard error."
@@ -59,11 +60,15 @@ def anisotropies(e, grids):
 def drift(runs, ensemble, grids):
     """Return the change of a_c over the strains of the networks.
 
-    A straight line is fitted, with one slope for all seeds; NaN for fewer than three networks.
+    A straight line is fitted, with one slope for all seeds; NaN for fewer than three networks. The
+    error is that over the slopes of the seeds if there are `SEEDS`, else that of the fit.
     """
     strains = [np.array([n.attributes["strain"] for n in run.networks]) for run in runs]
     values = [np.array([n.anisotropies()[0] for n in run.networks]) for run in runs]
     slope, error = statistics.common_slope([*zip(strains, values)])
+    if len(runs) >= SEEDS:
+        error = statistics.standard_error(
+            [statistics.common_slope([seed])[0] for seed in zip(strains, values)])
     length = np.ptp(np.concatenate(strains))
     return dict(a_c_drift=slope * length, a_c_drift_error=error * length)
 
