@@ -11,7 +11,7 @@ image = pytest.importorskip("PIL.Image")
 
 from docs.generate import study, tables
 
-SUMMARY = dict(seed=1, missed_fraction=1, missed_mean=0.9, residual_max=1e-4, iterations_mean=300,
+SUMMARY = dict(eta=0, missed_fraction=1, missed_mean=0.9, residual_max=1e-4, iterations_mean=300,
                mean_overlap=1e-4, max_overlap=1e-3, inertial_number=4e-5,
                inertial_number_final=3e-5, wall_seconds=1800, peak_memory_bytes=2**30)
 
@@ -48,6 +48,7 @@ def test_numbers_are_those_of_the_analysis():
 
 
 def test_costs_are_those_of_the_runs():
-    lines = list(study.costs([SUMMARY, SUMMARY | dict(wall_seconds=3600, seed=2)]))
-    assert "wall time of a run [min]: 30 to 60" in lines
-    assert lines[-2:] == ["seed 1: 0.50 h of one processor", "seed 2: 1.00 h of one processor"]
+    tests = [SUMMARY, SUMMARY | dict(wall_seconds=3600), SUMMARY | dict(wall_seconds=5400, eta=0.5)]
+    lines = list(study.costs(tests))
+    assert "wall time of a run [min]: 30 to 90" in lines
+    assert lines[-2:] == ["shortest test of each η [min]: 30, 90", "their sum [h]: 2.00"]
