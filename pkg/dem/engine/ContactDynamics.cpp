@@ -90,12 +90,9 @@ void ContactDynamics::runSteps(const validation::Engines& engines)
 void ContactDynamics::storeDrives()
 {
 	drivenBodies.clear(), drivenVelocities.clear();
-	for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
-		const rcr::PlanarVector v = step_.initialVelocity(int(id));
-		if (rcr::isDriven(step_.problem.inverseMass[id], v)) {
-			drivenBodies.push_back(int(id));
-			drivenVelocities.push_back({ v.x, v.y, v.rotation });
-		}
+	for (const auto& [body, v] : rcr::drivesOf(step_)) {
+		drivenBodies.push_back(body);
+		drivenVelocities.push_back({ v.x, v.y, v.rotation });
 	}
 }
 

@@ -121,14 +121,12 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	if (!active_) begin(scene, team, handles, step);
 	pairs_.store(step, team, scene.iter);
 	++count_;
-	std::vector<rcr::PlanarVector> before;
-	for (Body::id_t id : synced_)
-		before.push_back(step.initialVelocity(id));
+	const std::vector<rcr::Drive> before = rcr::drivesOf(step);
 	move(scene, engines, team, handles, impulses, step);
 	const auto regather = [&] {
 		regatherBodies(scene, engines, team, synced_, handles, step);
-		for (std::size_t k = 0; k < synced_.size(); ++k)
-			rcr::setDriveBefore(step, synced_[k], before[k]);
+		for (const rcr::Drive& drive : before)
+			rcr::setDriveBefore(step, drive);
 	};
 	scheduler::run(scene, schedule_.before);
 	regather();

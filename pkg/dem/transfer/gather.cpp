@@ -298,7 +298,7 @@ static void setDrivesBefore(const Drives& before, const SceneHandles& handles, r
 		const std::size_t id = before.bodies[k];
 		const Vector3r&   v  = before.velocities[k];
 		if (id < step.bodies.size() && handles.state[id])
-			rcr::setDriveBefore(step, id, { double(v[0]), double(v[1]), double(v[2]) });
+			rcr::setDriveBefore(step, { int(id), { double(v[0]), double(v[1]), double(v[2]) } });
 	}
 }
 

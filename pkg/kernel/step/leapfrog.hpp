@@ -112,16 +112,32 @@ inline bool isDriven(const InverseMass& mass, const PlanarVector& v)
 	        || (mass.rotation == 0 && v.rotation != 0);
 }
 
-/// After beginStep: prescribed axes of a body that was driven in the step before get the velocity
-/// for impacts that they would have without the acceleration of the drive. `before`: its
-/// Step::initialVelocity in that step.
-inline void setDriveBefore(Step& step, std::size_t id, const PlanarVector& before)
+/// A body of prescribed motion, and its Step::initialVelocity.
+struct Drive {
+	int          body = -1;
+	PlanarVector velocity;
+};
+
+/// The bodies that move along a prescribed axis in this step.
+inline std::vector<Drive> drivesOf(const Step& step)
 {
-	const InverseMass& mass = step.problem.inverseMass[id];
-	if (!isDriven(mass, before)) return;
-	StepBody&          body  = step.bodies[id];
+	std::vector<Drive> found;
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const PlanarVector v = step.initialVelocity(int(id));
+		if (isDriven(step.problem.inverseMass[id], v)) found.push_back({ int(id), v });
+	}
+	return found;
+}
+
+/// After beginStep: prescribed axes of a body that was driven in the step before get the velocity
+/// for impacts that they would have without the acceleration of the drive. `before`: of that step.
+inline void setDriveBefore(Step& step, const Drive& before)
+{
+	const InverseMass& mass = step.problem.inverseMass[before.body];
+	if (!isDriven(mass, before.velocity)) return;
+	StepBody&          body  = step.bodies[before.body];
 	PlanarVector&      v     = body.velocityBefore;
-	const PlanarVector drive = before + step.cell.change.at(body.center);
+	const PlanarVector drive = before.velocity + step.cell.change.at(body.center);
 	if (mass.x == 0) v.x = drive.x;
 	if (mass.y == 0) v.y = drive.y;
 	if (mass.rotation == 0) v.rotation = drive.rotation;
