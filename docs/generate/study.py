@@ -9,13 +9,14 @@ docs/generate/tables.py, and compare the printed numbers with docs/study and REA
 """
 
 import argparse
-import json
 import pathlib
 import shutil
 
 import numpy as np
 from docs.generate import tables
 from PIL import Image
+from rcr._data import files
+from rcr.study.criteria import at_xi, last_negative, minimum
 
 TARGET = tables.DOCS / "results" / "study"
 LARGEST, QUALITY = (1600, 1200), 85  # width and height of a map [pixel], and its quality as JPEG
@@ -39,18 +40,11 @@ def _by_eta(values, digits=3):
     return ", ".join(f"{value:.{digits}f}" for value in values)
 
 
-def _at(axis, curves, place):
-    """Values of curves at one place of their axis."""
-    return curves[..., np.argmin(np.abs(axis - place))]
-
-
 def _lowest(value, k):
     """Lowest a_c(ξ) of the k-th elongation."""
-    curve, xi = value["a_c"][k], value["xi"]
-    at = np.nanargmin(curve)
-    negative = xi[curve < 0]
-    text = f"{curve[at]:.4f} ± {value['a_c_error'][k][at]:.4f} at ξ = {xi[at]:.2f}"
-    return text + (f", negative up to {negative.max():.2f}" if len(negative) else "")
+    xi, lowest, error = (column[k] for column in minimum(value, "a_c"))
+    last = last_negative(value["xi"], value["a_c"][k])
+    return f"{lowest:.4f} ± {error:.4f} at ξ = {xi:.2f}, negative up to {last:.2f}"
 
 
 def numbers(analysis):
@@ -84,16 +78,16 @@ def numbers(analysis):
     yield "C(f, ℓ): " + _by_eta(value["O12"]["c_f_l"])
     yield "lowest a_c(ξ), discs: " + _lowest(fabric, 0)
     yield f"lowest a_c(ξ), η = {fabric['eta'][1]:g}: " + _lowest(fabric, 1)
-    yield "a_c(1): " + _by_eta(_at(fabric["xi"], fabric["a_c"], 1))
+    yield "a_c(1): " + _by_eta(at_xi(fabric, "a_c")[0])
     yield "change of a_c: " + _by_eta(fabric["a_c_drift"])
-    yield "error of a_c(1): " + _by_eta(_at(fabric["xi"], fabric["a_c_error"], 1))
-    for place in 0.5, 1:
-        yield f"a_fn({place}): " + _by_eta(_at(forces["xi"], forces["a_fn"], place))
-    yield "error of a_fn(0.5): " + _by_eta(_at(forces["xi"], forces["a_fn_error"], 0.5))
+    yield "error of a_c(1): " + _by_eta(at_xi(fabric, "a_c")[1])
+    for xi in 0.5, 1:
+        yield f"a_fn({xi}): " + _by_eta(at_xi(forces, "a_fn", xi)[0])
+    yield "error of a_fn(0.5): " + _by_eta(at_xi(forces, "a_fn", 0.5)[1])
     whole, difference = stress["q_over_p"][:, -1:], stress["half_sum"] - stress["q_over_p"]
     share = np.abs(difference) / whole
     worst = share.argmax(axis=1)
-    yield "q(1)/p: " + _by_eta(_at(stress["xi"], stress["q_over_p"], 1))
+    yield "q(1)/p: " + _by_eta(at_xi(stress, "q_over_p")[0])
     yield "q/p: " + _by_eta(whole[:, 0])
     yield "half-sum over q/p: " + _by_eta(1 + (difference / whole)[:, -1])
     yield "largest difference of the half-sum over q/p: " + _by_eta(share.max(axis=1))
@@ -107,8 +101,8 @@ def costs(summaries):
     def spread(name, scale=1.0):
         values = [scale * summary[name] for summary in summaries]
         return f"{min(values):.3g} to {max(values):.3g}"
-    for name in ("missed_fraction", "missed_mean", "residual_max", "iterations_mean",
-                 "mean_overlap", "max_overlap", "inertial_number", "inertial_number_final"):
+    for name in ("missed_fraction", "missed_mean", "residual_max", "mean_overlap", "max_overlap",
+                 "inertial_number_final"):
         yield f"{name}: {spread(name)}"
     yield f"wall time of a run [min]: {spread('wall_seconds', 1 / 60)}"
     yield f"memory [GiB]: {spread('peak_memory_bytes', 2.0**-30)}"
@@ -116,7 +110,8 @@ def costs(summaries):
     for summary in summaries:
         eta, minutes = summary["eta"], summary["wall_seconds"] / 60
         shortest[eta] = min(minutes, shortest.get(eta, minutes))
-    yield "shortest test of each η [min]: " + _by_eta((shortest[eta] for eta in sorted(shortest)), 0)
+    yield "shortest test of each η [min]: " + _by_eta(
+        (shortest[eta] for eta in sorted(shortest)), 0)
     yield f"their sum [h]: {sum(shortest.values()) / 60:.2f}"
 
 
@@ -126,9 +121,12 @@ def main():
     parser.add_argument("analysis", type=pathlib.Path, help="folder of scripts/network.py")
     parser.add_argument("runs", type=pathlib.Path, nargs="+", help="run folders that it analysed")
     args = parser.parse_args()
+    summaries = [files.read_json(run / "summary.json", "a summary") for run in args.runs]
+    if None in summaries:
+        parser.error(f"{args.runs[summaries.index(None)]} has no summary.json; expected complete runs")
     publish(args.analysis, TARGET)
     print(*numbers(tables.published("study")), sep="\n")
-    print(*costs([json.loads((run / "summary.json").read_text()) for run in args.runs]), sep="\n")
+    print(*costs(summaries), sep="\n")
 
 
 if __name__ == "__main__":

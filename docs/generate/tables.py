@@ -27,7 +27,7 @@ from rcr._yade.counterparts import COUNTERPARTS
 from rcr import papers
 from rcr.plot import CATEGORIES, CONTACTS, SCALES
 from rcr.profile import QUANTITIES
-from rcr.study.criteria import at_xi_1, is_steady
+from rcr.study.criteria import at_xi, is_steady
 from rcr.study.protocol import SHAPE_NAMES
 from rcr.study.report import HEADER, markdown as table
 
@@ -274,7 +274,7 @@ def study_means():
         "sin φ": mean("O1", "sin_phi"), "I_M": mean("O5", "friction_mobilization"),
         "share of I_m > 0.99": mean("O5", "mobilized_fraction"), "β_n": mean("O3", "beta_n"),
         "share of weak contacts": mean("O3", "weak_fraction"), "a_c": whole("O15", "a_c"),
-        "a_c(ξ = 1)": at_xi_1(value["O15"], "a_c"), "a_fn": whole("O17", "a_fn"),
+        "a_c(ξ = 1)": at_xi(value["O15"], "a_c"), "a_fn": whole("O17", "a_fn"),
         "a_ft": whole("O17", "a_ft"), "C(f, ℓ_r)": mean("O12", "c_f_lr")}
     rows = [[f"{eta:g}", *("" if np.isnan(means[k]) else plus_minus(means[k], errors[k])
                            for means, errors in columns.values())]

@@ -11,9 +11,9 @@ image = pytest.importorskip("PIL.Image")
 
 from docs.generate import study, tables
 
-SUMMARY = dict(eta=0, missed_fraction=1, missed_mean=0.9, residual_max=1e-4, iterations_mean=300,
-               mean_overlap=1e-4, max_overlap=1e-3, inertial_number=4e-5,
-               inertial_number_final=3e-5, wall_seconds=1800, peak_memory_bytes=2**30)
+SUMMARY = dict(eta=0, missed_fraction=1, missed_mean=0.9, residual_max=1e-4, mean_overlap=1e-4,
+               max_overlap=1e-3, inertial_number_final=3e-5, wall_seconds=1800,
+               peak_memory_bytes=2**30)
 
 
 def test_publish_copies_figures_and_compresses_maps(tmp_path):

@@ -34,9 +34,9 @@ def rows_of(v, low, high, least=1):
     return rows
 
 
-def at_xi_1(v, name):
-    """Return values and errors at ξ = 1."""
-    k = int(np.argmin(np.abs(v["xi"] - 1)))
+def at_xi(v, name, xi=1):
+    """Return values and errors at the cutoff nearest to ξ."""
+    k = int(np.argmin(np.abs(v["xi"] - xi)))
     return v[name][:, k], v[f"{name}_error"][:, k]
 
 

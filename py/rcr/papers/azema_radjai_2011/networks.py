@@ -4,7 +4,7 @@ import numpy as np
 
 from rcr.papers.azema_radjai_2011 import PAPER
 from rcr.study.criteria import (
-    SIGMAS, NotTested, at_every_eta, at_xi_1, format_errors, format_largest, is_monotonic,
+    SIGMAS, NotTested, at_every_eta, at_xi, format_errors, format_largest, is_monotonic,
     is_within, known, last_negative, minimum, require_finite, slope_of, trend)
 
 claim = PAPER.claim
@@ -145,7 +145,7 @@ def _(v):
 @claim("O15", "a_c = 0.3 at ξ = 1 for long particles", "within 0.05 or two errors at every η ≥ 0.5",
        etas=(0.5, 1))
 def _(v):
-    value, error = at_xi_1(v, "a_c")
+    value, error = at_xi(v, "a_c")
     return is_within(value - 0.3, 0.05, error), value, error
 
 
@@ -220,7 +220,7 @@ def _(v):
 @claim("O18", "q/p of the weak network below 0.1",
        "q(1)/p below 0.1, or above it by less than two errors, at every η")
 def _(v):
-    value, error = at_xi_1(v, "q_over_p")
+    value, error = at_xi(v, "q_over_p")
     return value - SIGMAS * known(error) < 0.1, value, error
 
 
