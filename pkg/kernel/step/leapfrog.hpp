@@ -123,8 +123,10 @@ inline std::vector<Drive> drivesOf(const Step& step)
 {
 	std::vector<Drive> found;
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const InverseMass& mass = step.problem.inverseMass[id];
+		if (mass.x != 0 && mass.y != 0 && mass.rotation != 0) continue; // free: the usual case
 		const PlanarVector v = step.initialVelocity(int(id));
-		if (isDriven(step.problem.inverseMass[id], v)) found.push_back({ int(id), v });
+		if (isDriven(mass, v)) found.push_back({ int(id), v });
 	}
 	return found;
 }

@@ -60,7 +60,7 @@ struct StepBody {
 	Vec2          center;
 	Turn          turn;
 	PlanarVector  velocity;          // at the beginning of the step
-	PlanarVector  velocityBefore;    // that of an impact: along driven axes, of the step before
+	PlanarVector  velocityBefore;    // for impacts: `velocity` without the acceleration of a drive
 	Vec2          convection;        // change of the velocity by the flow of a cell [m/s]
 	double        radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
 	double        alertDistance = 0; // distance within which its contacts were detected [m]
